@@ -1,0 +1,241 @@
+"""The text form that OpenFAST's modules (and fowtio's study file) share: `value  Name  - description` lines and tables.
+
+Names decide, never line numbers, so one reader serves the layouts of many versions.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from fowtio.errors import FormatError
+from fowtio.read.text import number, numbers, read_lines
+
+_TOKEN = re.compile(r'"[^"]*"|\'[^\']*\'|[^\s,]+')
+_NAME = re.compile(r"[A-Za-z_][\w]*(\([\w, ]+\))?%?")
+_TRUE, _FALSE = {"true", "t", ".true."}, {"false", "f", ".false."}
+_MISSING = object()
+
+
+def tokens(line: str) -> list[str]:
+    """Return the blank- or comma-separated tokens of a line, quoted strings whole."""
+    return _TOKEN.findall(line)
+
+
+def unquote(token: str) -> str:
+    """Return a token without its quotation marks."""
+    return token[1:-1].strip() if len(token) > 1 and token[0] == token[-1] and token[0] in "\"'" else token
+
+
+def is_rule(line: str) -> bool:
+    """Tell whether a line is a section rule or a comment."""
+    text = line.strip()
+    return text.startswith(("---", "===", "***", "!", "#"))
+
+
+@dataclass
+class InputFile:
+    """One OpenFAST-style input file, its values found by name.
+
+    path, lines as read; entries maps a lower-case name to (line number from 1, value tokens, name as written).
+    """
+
+    path: Path
+    lines: list[str]
+    entries: dict[str, tuple[int, list[str], str]] = field(default_factory=dict)
+
+    def has(self, name: str) -> bool:
+        """Tell whether the file gives a value under this name."""
+        return name.lower() in self.entries
+
+    def line(self, name: str) -> int:
+        """Return the line number of a name; raise FormatError with the nearest known name when it is not there."""
+        if not self.has(name):
+            near = difflib.get_close_matches(name.lower(), self.entries, n=1, cutoff=0.75)
+            hint = f"Nearest name in the file: {self.entries[near[0]][2]}" if near else "Is this the right kind of file?"
+            raise FormatError(self.path, expected=f"a line with the value of {name}", found="none", hint=hint)
+        return self.entries[name.lower()][0]
+
+    def values(self, name: str) -> list[str]:
+        """Return the value tokens that stand before a name."""
+        self.line(name)
+        return self.entries[name.lower()][1]
+
+    def text(self, name: str, default=_MISSING) -> str:
+        """Return the value of a name as text without quotes."""
+        if default is not _MISSING and not self.has(name):
+            return default
+        values = self.values(name)
+        if not values:
+            raise FormatError(self.path, self.line(name), expected=f"a value before {name}", found="none")
+        return unquote(values[0])
+
+    def is_default(self, name: str) -> bool:
+        """Tell whether a name is absent or its value is DEFAULT."""
+        return not self.has(name) or self.text(name).lower() == "default"
+
+    def _typed(self, name, default, convert, expected):
+        if default is not _MISSING and self.is_default(name):
+            return default
+        text = self.text(name)
+        try:
+            return convert(text)
+        except (ValueError, KeyError):
+            raise FormatError(self.path, self.line(name), expected=f"{expected} for {name}", found=text) from None
+
+    def number(self, name: str, default=_MISSING) -> float:
+        """Return the value of a name as a finite number; `default` stands for an absent name or DEFAULT."""
+        return self._typed(name, default, number, "a number")
+
+    def integer(self, name: str, default=_MISSING) -> int:
+        """Return the value of a name as a whole number."""
+
+        def convert(text):
+            value = number(text)
+            if value != int(value):
+                raise ValueError
+            return int(value)
+
+        return self._typed(name, default, convert, "a whole number")
+
+    def flag(self, name: str, default=_MISSING) -> bool:
+        """Return the value of a name as True or False."""
+        return self._typed(name, default, _flag, "True or False")
+
+    def array(self, name: str, rows: int, columns: int) -> np.ndarray:
+        """Return a (rows, columns) matrix whose first row stands on the line of the name and the others below it."""
+        first = self.line(name)
+        out = [[number(t) for t in self.values(name)[:columns]]]
+        for i in range(first, first + rows - 1):
+            line = self.lines[i] if i < len(self.lines) else ""
+            try:
+                out.append(numbers(" ".join(tokens(line)[:columns])))
+            except ValueError:
+                out.append([])
+        for offset, row in enumerate(out):
+            if len(row) != columns:
+                found = self.lines[first - 1 + offset] if first - 1 + offset < len(self.lines) else "end of file"
+                raise FormatError(
+                    self.path, first + offset, expected=f"{columns} numbers (row {offset + 1} of {name})", found=found
+                )
+        return np.array(out)
+
+    def table(self, count: str = "", header: str = "", rows: int | None = None) -> Table:
+        """Return the table below the line of `count` (its value is the number of rows) or whose first column is `header`."""
+        if count:
+            rows = self.integer(count)
+            start = self.line(count)
+        else:
+            start = next((i for i, ln in enumerate(self.lines) if ln.split()[:1] == [header]), None)
+            if start is None:
+                raise FormatError(self.path, expected=f"a table whose first column is {header}", found="none")
+        if rows < 0:
+            raise FormatError(self.path, start, expected=f"{count} of at least 0", found=str(rows))
+        return _table(self, start, rows, count or header)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of an input file: column names, rows of tokens, and the line number of each row."""
+
+    path: Path
+    columns: list[str]
+    rows: list[list[str]]
+    numbers_of_lines: list[int]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def column(self, name: str) -> list[str]:
+        """Return the tokens of a column; raise FormatError when the table lacks it."""
+        lower = [c.lower() for c in self.columns]
+        if name.lower() not in lower:
+            at = self.numbers_of_lines[0] if self.numbers_of_lines else None
+            raise FormatError(self.path, at, expected=f"a table with column {name}", found=" ".join(self.columns))
+        j = lower.index(name.lower())
+        for row, line in zip(self.rows, self.numbers_of_lines, strict=True):
+            if len(row) <= j:
+                raise FormatError(self.path, line, expected=f"a value for column {name}", found=" ".join(row))
+        return [unquote(row[j]) for row in self.rows]
+
+    def numbers(self, name: str) -> np.ndarray:
+        """Return a column as numbers."""
+        out = []
+        for token, line in zip(self.column(name), self.numbers_of_lines, strict=True):
+            try:
+                out.append(number(token))
+            except ValueError:
+                raise FormatError(self.path, line, expected=f"a number in column {name}", found=token) from None
+        return np.array(out)
+
+    def integers(self, name: str) -> np.ndarray:
+        """Return a column as whole numbers."""
+        values = self.numbers(name)
+        for value, line in zip(values, self.numbers_of_lines, strict=True):
+            if value != int(value):
+                raise FormatError(self.path, line, expected=f"a whole number in column {name}", found=str(value))
+        return values.astype(int)
+
+
+def read_input(path: str | Path) -> InputFile:
+    """Return an OpenFAST-style input file with its values by name; raise FormatError when it cannot be read."""
+    path = Path(path)
+    out = InputFile(path, read_lines(path))
+    for i, line in enumerate(out.lines, start=1):
+        is_title = i == 2 and is_rule(out.lines[0])
+        entry = None if is_title or is_rule(line) else _entry(tokens(line))
+        if entry is not None:
+            out.entries.setdefault(entry[1].lower(), (i, *entry))
+    return out
+
+
+def _entry(parts: list[str]) -> tuple[list[str], str] | None:
+    """Return (values, name) of a `values  Name - description` line, or None when it is not one."""
+    if len(parts) >= 2 and parts[1] in "-–" and _NAME.fullmatch(parts[0]):
+        return [], parts[0]
+    for i, part in enumerate(parts[1:], start=1):
+        if part[0] in "\"'" or _is_number(part) or (part.lower() in _TRUE | _FALSE and i < 4):
+            continue
+        return (parts[:i], part) if _NAME.fullmatch(part) else None
+    return None
+
+
+def _table(source: InputFile, start: int, rows: int, what: str) -> Table:
+    """Read header, units and rows of a table that begins at or below line index `start`."""
+    i = start
+    while i < len(source.lines) and (not source.lines[i].strip() or is_rule(source.lines[i])):
+        i += 1
+    columns = source.lines[i].split() if i < len(source.lines) else []
+    i += 1
+    if i < len(source.lines) and source.lines[i].lstrip().startswith("("):
+        i += 1
+    found, where = [], []
+    while len(found) < rows:
+        if i >= len(source.lines) or is_rule(source.lines[i]):
+            place = min(i + 1, len(source.lines))
+            raise FormatError(
+                source.path, place, expected=f"{rows} rows in the table of {what}", found=f"{len(found)} rows"
+            )
+        if source.lines[i].strip():
+            found.append(tokens(source.lines[i].split("!")[0]))
+            where.append(i + 1)
+        i += 1
+    return Table(source.path, columns, found, where)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text.replace("D", "E").replace("d", "e"))
+    except ValueError:
+        return False
+    return True
+
+
+def _flag(text: str) -> bool:
+    if text.lower() not in _TRUE | _FALSE:
+        raise ValueError(text)
+    return text.lower() in _TRUE

@@ -1,0 +1,159 @@
+"""OpenFAST linearisation files (.lin): state matrices with the names and operating points of their rows and columns.
+
+Source of the format: the files that OpenFAST's glue code writes (FAST_Lin.f90), versions 2 to 5.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from fowtio.errors import FormatError
+from fowtio.read.text import number, numbers, read_lines
+from model.system.linearisation import Linearisation
+
+_COUNTS = {
+    "states": "Number of continuous states:",
+    "inputs": "Number of inputs:",
+    "outputs": "Number of outputs:",
+}
+_SIZE = re.compile(r"^\s*(\w+)\s*:\s*(\d+)\s*x\s*(\d+)\s*$")
+_ROW = re.compile(r"^\s*(\d+)\s+(.*?)\s+([TF])\s+(.*)$")
+
+
+def read_openfast_lin(path: str | Path) -> Linearisation:
+    """Return one OpenFAST linearisation record; raise FormatError where the file is not complete and consistent."""
+    path = Path(path)
+    lines = read_lines(path)
+    if not lines[0].strip().startswith("Linearized model") and not lines[1:2][0].strip().startswith("Linearized model"):
+        raise FormatError(path, 1, expected="'Linearized model: ...' of an OpenFAST .lin file", found=lines[0])
+    counts = {name: int(_header(path, lines, label)) for name, label in _COUNTS.items()}
+    states = _signals(path, lines, "Order of continuous states:", counts["states"])
+    inputs = _signals(path, lines, "Order of inputs:", counts["inputs"])
+    outputs = _signals(path, lines, "Order of outputs:", counts["outputs"])
+    shapes = {"A": ("states", "states"), "B": ("states", "inputs"), "C": ("outputs", "states"), "D": ("outputs", "inputs")}
+    matrices = _matrices(path, lines)
+    for name, (row, column) in shapes.items():
+        shape = (counts[row], counts[column])
+        if 0 in shape:
+            matrices.setdefault(name, np.zeros(shape))
+        if name not in matrices:
+            raise FormatError(path, len(lines), expected=f"matrix {name} ({shape[0]} x {shape[1]})", found="end of file")
+        if matrices[name].shape != shape:
+            raise FormatError(path, expected=f"matrix {name} of {shape[0]} x {shape[1]}", found=f"{matrices[name].shape}")
+    return Linearisation(
+        **{name: matrices.pop(name) for name in shapes},
+        state_names=states[0], input_names=inputs[0], output_names=outputs[0],
+        state_point=[p if np.isscalar(p) else p[0] for p in states[1]], input_point=inputs[1], output_point=outputs[1],
+        state_rotating=states[2], input_rotating=inputs[2], output_rotating=outputs[2],
+        state_order=_orders(states),
+        azimuth=_header(path, lines, "Azimuth:"), rotor_speed=_header(path, lines, "Rotor Speed:"),
+        wind_speed=_header(path, lines, "Wind Speed:", 0.0),
+        modules=_modules(lines), source=str(path), jacobians=matrices,
+    )  # fmt: skip
+
+
+def _header(path: Path, lines: list[str], label: str, default: float | None = None) -> float:
+    """Return the number behind a label of the 'Simulation information' block."""
+    for i, line in enumerate(lines[:60], start=1):
+        if line.strip().startswith(label):
+            text = line.strip()[len(label) :].split()
+            try:
+                return number(text[0])
+            except (ValueError, IndexError):
+                raise FormatError(path, i, expected=f"a number after '{label}'", found=line) from None
+    if default is not None:
+        return default
+    raise FormatError(path, expected=f"a line '{label}'", found="none in the first 60 lines")
+
+
+def _modules(lines: list[str]) -> tuple[str, ...]:
+    """Return the names of the modules that the header says were linked."""
+    for line in lines[:6]:
+        text = line.strip()
+        if text.startswith("linked with"):
+            names = [re.sub(r"\(.*?\)", "", part).strip() for part in text[len("linked with") :].split(";")]
+            return tuple(name for name in names if name)
+    return ()
+
+
+def _signals(path: Path, lines: list[str], title: str, count: int) -> tuple[tuple, tuple, list, list]:
+    """Return names, operating points, rotating-frame flags and the text before the names of one list."""
+    if count == 0:
+        return (), (), [], []
+    start = next((i for i, line in enumerate(lines) if line.strip() == title), None)
+    if start is None:
+        raise FormatError(path, expected=f"'{title}'", found="none")
+    heading = lines[start + 1] if start + 1 < len(lines) else ""
+    has_order = "Derivative Order" in heading
+    names, points, rotating, orders = [], [], [], []
+    for k in range(count):
+        i = start + 3 + k
+        match = _ROW.match(lines[i]) if i < len(lines) else None
+        if match is None or int(match[1]) != k + 1:
+            found = lines[i] if i < len(lines) else "end of file"
+            raise FormatError(path, i + 1, expected=f"row {k + 1} of {count} under '{title}'", found=found)
+        points.append(_point(path, i + 1, match[2]))
+        rotating.append(match[3] == "T")
+        order, name = match[4].split(None, 1) if has_order else (None, match[4])
+        orders.append(order)
+        names.append(name.strip())
+    return tuple(names), tuple(points), rotating, orders
+
+
+def _point(path: Path, line: int, text: str) -> float | tuple[float, ...]:
+    """Return an operating point: one number, or three for an orientation."""
+    try:
+        values = numbers(text)
+    except ValueError as error:
+        raise FormatError(path, line, expected="an operating point", found=text, hint=str(error)) from None
+    return values[0] if len(values) == 1 else tuple(values)
+
+
+def _orders(states: tuple) -> list[int]:
+    """Return the derivative order of each state; where the file has no such column the name tells."""
+    names, _, _, orders = states
+    if orders and orders[0] is not None:
+        return [int(order) for order in orders]
+    return [2 if "DOF_" in name else 1 for name in names]
+
+
+def _matrices(path: Path, lines: list[str]) -> dict[str, np.ndarray]:
+    """Return every matrix of the file by name, of which a name, a size and as many lines of numbers are read."""
+    out = {}
+    i = 0
+    while i < len(lines):
+        match = _SIZE.match(lines[i])
+        i += 1
+        if not match:
+            continue
+        name, rows, columns = match[1], int(match[2]), int(match[3])
+        out[name] = _matrix(path, lines[i : i + rows], i + 1, (rows, columns), name)
+        i += rows
+    return out
+
+
+def _matrix(path: Path, block: list[str], first: int, shape: tuple[int, int], name: str) -> np.ndarray:
+    """Return one matrix; the fast way when its text is clean, else line by line to name the bad one."""
+    if len(block) == shape[0]:
+        try:
+            values = np.array(" ".join(block).split(), dtype=float)
+            if values.size == shape[0] * shape[1] and np.all(np.isfinite(values)):
+                rows = values.reshape(shape)
+                if len(block[0].split()) == shape[1] and len(block[-1].split()) == shape[1]:
+                    return rows
+        except ValueError:
+            pass
+    out = []
+    for k in range(shape[0]):
+        line = block[k] if k < len(block) else "end of file"
+        try:
+            row = numbers(line)
+        except ValueError:
+            row = []
+        if len(row) != shape[1]:
+            raise FormatError(path, first + k, expected=f"row {k + 1} of {name}: {shape[1]} finite numbers", found=line)
+        out.append(row)
+    return np.array(out)

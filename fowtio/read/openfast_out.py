@@ -1,0 +1,145 @@
+"""Time series that OpenFAST writes: binary .outb (FileFmtID 1 to 4) and text .out.
+
+Source of the binary layout: WrBinFAST in the NWTC Library's documentation (little-endian; packed 16-bit integers with
+a slope and an offset per channel, or plain doubles).
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fowtio.errors import FormatError
+from fowtio.read.text import number_rows, read_lines
+
+_WITH_TIME, _WITHOUT_TIME, _UNCOMPRESSED, _LONG_NAMES = 1, 2, 3, 4
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TimeSeries:
+    """Channels over time: names, units as written, data (samples, channels), time [s], source names the file."""
+
+    time: np.ndarray
+    data: np.ndarray
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    description: str = ""
+    source: str = ""
+
+    def channel(self, name: str) -> np.ndarray:
+        """Return one channel by its name (any case); raise FormatError when there is none."""
+        lower = [n.lower() for n in self.names]
+        if name.lower() not in lower:
+            raise FormatError(self.source, expected=f"a channel {name}", found=", ".join(self.names[:12]) + " ...")
+        return self.data[:, lower.index(name.lower())]
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a channel as written in the file, without brackets."""
+        return self.units[[n.lower() for n in self.names].index(name.lower())]
+
+
+def read_openfast_out(path: str | Path) -> TimeSeries:
+    """Return the time series of an OpenFAST .outb or .out file, told apart by content; raise FormatError."""
+    path = Path(path)
+    if not path.is_file():
+        raise FormatError(path, hint="The file does not exist; check its name and folder")
+    with path.open("rb") as stream:
+        start = stream.read(2)
+    is_binary = len(start) == 2 and struct.unpack("<h", start)[0] in (1, 2, 3, 4)
+    return _read_binary(path) if is_binary else _read_text(path)
+
+
+class _Buffer:
+    """Reads values one after another and says what was being read when the file ends."""
+
+    def __init__(self, path: Path):
+        self.path, self.data, self.at = path, path.read_bytes(), 0
+
+    def take(self, kind: str, count: int, what: str) -> np.ndarray:
+        dtype = np.dtype(kind)
+        end = self.at + count * dtype.itemsize
+        if count < 0 or end > len(self.data):
+            raise FormatError(
+                self.path, expected=f"{count} values of {what} at byte {self.at}", found=f"a file of {len(self.data)} bytes",
+                hint="Is the file complete?",
+            )  # fmt: skip
+        out = np.frombuffer(self.data, dtype, count, self.at)
+        self.at = end
+        return out
+
+    def one(self, kind: str, what: str):
+        return self.take(kind, 1, what)[0]
+
+    def text(self, length: int, what: str) -> str:
+        return self.take("<u1", length, what).tobytes().decode("latin-1").strip()
+
+
+def _read_binary(path: Path) -> TimeSeries:
+    buffer = _Buffer(path)
+    form = int(buffer.one("<i2", "FileFmtID"))
+    width = int(buffer.one("<i2", "name length")) if form == _LONG_NAMES else 10
+    channels, samples = (int(buffer.one("<i4", what)) for what in ("number of channels", "number of time steps"))
+    if not (0 < channels < 100_000 and 0 < samples < 2**31 and 0 < width < 1000):
+        raise FormatError(path, expected="counts of an .outb header", found=f"{channels} channels, {samples} steps")
+    if form == _WITH_TIME:
+        time_scale, time_offset = buffer.take("<f8", 2, "time scale and offset")
+    else:
+        time_start, time_step = buffer.take("<f8", 2, "first time and time step")
+    if form != _UNCOMPRESSED:
+        slope = buffer.take("<f4", channels, "channel slopes").astype(float)
+        offset = buffer.take("<f4", channels, "channel offsets").astype(float)
+    description = buffer.text(int(buffer.one("<i4", "length of the description")), "description")
+    names = [buffer.text(width, "channel names") for _ in range(channels + 1)]
+    units = [buffer.text(width, "channel units").strip("()[]") for _ in range(channels + 1)]
+    if form == _WITH_TIME:
+        time = (buffer.take("<i4", samples, "packed time") - time_offset) / time_scale
+    else:
+        time = time_start + time_step * np.arange(samples)
+    kind = "<f8" if form == _UNCOMPRESSED else "<i2"
+    packed = buffer.take(kind, samples * channels, "channel data").reshape(samples, channels)
+    if form != _UNCOMPRESSED:
+        if np.any(slope == 0):
+            raise FormatError(path, expected="channel slopes other than zero", found="zero")
+        data = (packed - offset) / slope
+    else:
+        data = packed.astype(float)
+    return _series(path, time, data, names[1:], units[1:], description)
+
+
+def _read_text(path: Path) -> TimeSeries:
+    lines = read_lines(path)
+    head = next((i for i, line in enumerate(lines[:50]) if line.split()[:1] and line.split()[0].lower() == "time"), None)
+    if head is None or head + 1 >= len(lines):
+        raise FormatError(path, expected="a heading line that begins with Time", found=lines[0])
+    names = lines[head].split()
+    units = [u.strip("()[]") for u in lines[head + 1].split()]
+    if len(units) != len(names):
+        raise FormatError(path, head + 2, expected=f"{len(names)} units", found=lines[head + 1])
+    body = lines[head + 2 :]
+    try:
+        table = np.array(" ".join(body).split(), dtype=float).reshape(-1, len(names))
+        if not np.all(np.isfinite(table)) or len(body[0].split()) != len(names):
+            raise ValueError
+    except (ValueError, IndexError):
+        table = np.array(number_rows(path, body, head + 3, (len(names),), "a row of time series"))
+    if not table.size:
+        raise FormatError(path, head + 2, expected="rows of numbers", found="none")
+    return _series(path, table[:, 0], table[:, 1:], names[1:], units[1:], " ".join(lines[:head]).strip())
+
+
+def _series(path, time, data, names, units, description) -> TimeSeries:
+    """Return the time series after the checks that both forms share."""
+    if len(time) > 1 and np.any(np.diff(time) <= 0):
+        k = int(np.argmax(np.diff(time) <= 0))
+        raise FormatError(path, expected="time that ascends", found=f"{time[k + 1]:g} s after {time[k]:g} s")
+    bad = ~np.isfinite(data).all(axis=0)
+    if np.any(bad):
+        raise FormatError(path, expected="finite numbers", found=f"NaN or infinity in {names[int(np.argmax(bad))]}")
+    for array in (time, data):
+        array.setflags(write=False)
+    return TimeSeries(
+        time=time, data=data, names=tuple(names), units=tuple(units), description=description, source=str(path)
+    )

@@ -1,0 +1,81 @@
+"""What every text reader needs: lines whatever their encoding, numbers as Fortran writes them, errors with their place."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from fowtio.errors import FormatError
+
+_MERGED = re.compile(r"(?<=[0-9.])(?=[+-]\d*\.)")  # -1.2E+00-5.6E+00: a sign after a digit begins a new number
+_BARE_EXPONENT = re.compile(r"(?<=\d)([+-]\d{3})(?![\d.])")  # 1.234-103: three-digit exponent without its letter
+
+
+def read_text(path: str | Path) -> str:
+    """Return the text of a file, decoded as UTF-8 or, failing that, Latin-1; raise FormatError when it cannot be had."""
+    path = Path(path)
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise FormatError(path, hint="The file does not exist; check its name and folder") from None
+    except OSError as error:
+        raise FormatError(path, found=str(error), expected="a readable file") from None
+    if b"\0" in data[:4096]:
+        raise FormatError(path, expected="a text file", found="binary data")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
+def read_lines(path: str | Path) -> list[str]:
+    """Return the lines of a text file without line ends; raise FormatError when it is missing or empty."""
+    lines = read_text(path).splitlines()
+    if not any(line.strip() for line in lines):
+        raise FormatError(path, expected="text", found="an empty file")
+    return lines
+
+
+def number(token: str) -> float:
+    """Return the finite number that a token spells (Fortran D exponents too); raise ValueError otherwise."""
+    try:
+        value = float(token)
+    except ValueError:
+        repaired = _BARE_EXPONENT.sub(r"E\1", token.replace("D", "E").replace("d", "e"))
+        value = float(repaired)
+    if "_" in token or not np.isfinite(value):
+        raise ValueError(f"{token!r} is not a finite number")
+    return value
+
+
+def numbers(line: str) -> list[float]:
+    """Return the numbers of a line of blank- or comma-separated columns, merged columns taken apart; ValueError if not."""
+    tokens = line.replace(",", " ").split()
+    try:
+        return [number(t) for t in tokens]
+    except ValueError:
+        return [number(part) for t in tokens for part in _MERGED.split(t)]
+
+
+def number_rows(path: Path, lines: Sequence[str], first: int, widths: Sequence[int], what: str) -> list[list[float]]:
+    """Return the numbers of consecutive table lines, skipping blank ones.
+
+    first is the line number (from 1) of lines[0]; widths are the allowed numbers of columns; what names a row
+    in the message. Raises FormatError at the first bad line.
+    """
+    rows = []
+    for offset, line in enumerate(lines):
+        if not line.strip():
+            continue
+        try:
+            row = numbers(line)
+        except ValueError as error:
+            raise FormatError(path, first + offset, expected=what, found=line, hint=str(error)) from None
+        if len(row) not in widths:
+            wanted = " or ".join(str(w) for w in widths)
+            raise FormatError(path, first + offset, expected=f"{what} ({wanted} columns)", found=line)
+        rows.append(row)
+    return rows

@@ -1,0 +1,1 @@
+"""Writers: results, figures, reports and the formats that other programs read."""

@@ -1,0 +1,1 @@
+"""Sea and wind: dispersion, spectra, particle kinematics, turbulence over the rotor."""

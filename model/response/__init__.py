@@ -1,0 +1,1 @@
+"""From parts to answers: assembly, solution, loads, statistics, identification."""

@@ -1,0 +1,1 @@
+"""The parts of a floating turbine: hydrodynamics, drag, moorings, turbine, tower, platform."""

@@ -1,0 +1,173 @@
+"""Linear hydrodynamic coefficients of one floating body, and what is done with them: interpolation and transfer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.conventions import freeze, move_force, move_matrix
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HydroCoefficients:
+    """Potential-flow coefficients of one body about its reference point.
+
+    omega (n) [rad/s] ascending, without zero and infinity; heading (m) [rad] ascending, directions of propagation;
+    added_mass, radiation_damping (n, 6, 6); added_mass_zero, added_mass_infinite (6, 6) or None;
+    excitation complex (m, n, 6) per metre of wave amplitude; hydrostatic_stiffness (6, 6), buoyancy only (no weight);
+    volume [m3] and centre_of_buoyancy (3) [m] of the body at rest; reference_point (3) [m]; density [kg/m3];
+    gravity [m/s2]; depth [m].
+    """
+
+    omega: np.ndarray
+    added_mass: np.ndarray
+    radiation_damping: np.ndarray
+    added_mass_zero: np.ndarray | None = None
+    added_mass_infinite: np.ndarray | None = None
+    heading: np.ndarray | None = None
+    excitation: np.ndarray | None = None
+    hydrostatic_stiffness: np.ndarray | None = None
+    volume: float | None = None
+    centre_of_buoyancy: np.ndarray | None = None
+    reference_point: np.ndarray = (0.0, 0.0, 0.0)
+    density: float = 1025.0
+    gravity: float = 9.80665
+    depth: float = np.inf
+
+    def __post_init__(self):
+        freeze(
+            self, omega=("n",), heading=("m",), added_mass=("n", 6, 6), radiation_damping=("n", 6, 6),
+            added_mass_zero=(6, 6), added_mass_infinite=(6, 6), excitation=("m", "n", 6),
+            hydrostatic_stiffness=(6, 6), centre_of_buoyancy=(3,), reference_point=(3,),
+        )  # fmt: skip
+        for name, values in (("omega", self.omega), ("heading", self.heading)):
+            if values is not None and np.any(np.diff(values) <= 0):
+                raise ValueError(f"{name} must ascend without repetition")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HydroOnGrid:
+    """Coefficients on the frequencies of a solution: added_mass, radiation_damping (n, 6, 6), excitation (..., n, 6)."""
+
+    omega: np.ndarray
+    added_mass: np.ndarray
+    radiation_damping: np.ndarray
+    excitation: np.ndarray
+
+
+LOW_FREQUENCY = ("hold", "hydrostatic")
+
+
+def radiation_at(hydro: HydroCoefficients, omega) -> tuple[np.ndarray, np.ndarray]:
+    """Return added mass and radiation damping (k, 6, 6) at frequencies omega (k) [rad/s].
+
+    Linear between the data, so symmetry and a non-negative damping are kept (a convex combination). Below the data:
+    towards the zero-frequency added mass and no damping. Above: added mass tends to its infinite-frequency
+    value as omega^-2 and damping falls as omega^-4 (without that value both are held, damping falling alike).
+    """
+    omega = np.asarray(omega, dtype=float)
+    low = hydro.added_mass[0] if hydro.added_mass_zero is None else hydro.added_mass_zero
+    high = hydro.added_mass[-1] if hydro.added_mass_infinite is None else hydro.added_mass_infinite
+    grid = np.concatenate([[0.0], hydro.omega])
+    index, weight = _bracket(grid, np.minimum(omega, grid[-1]))
+    beyond = np.minimum(1.0, grid[-1] / np.maximum(omega, 1e-12)) ** 2
+    added = _lerp(np.concatenate([low[None], hydro.added_mass]), index, weight)
+    damping = _lerp(np.concatenate([np.zeros((1, 6, 6)), hydro.radiation_damping]), index, weight)
+    beyond = beyond[:, None, None]
+    return high + (added - high) * beyond, damping * beyond**2
+
+
+def excitation_at(hydro: HydroCoefficients, omega, heading, *, low_frequency: str = "hold") -> np.ndarray:
+    """Return the excitation (..., k, 6) [N/m, N m/m] at frequencies omega (k) and headings (...) [rad].
+
+    Linear in frequency and heading, real and imaginary parts apart, as OpenFAST's HydroDyn does. Below the lowest
+    frequency of the data `low_frequency` = "hold" keeps the lowest value, as HydroDyn does, and "hydrostatic"
+    goes linearly to the hydrostatic limit C[:, 2]; above the highest the excitation falls as omega^-2.
+    Raises ValueError for a heading outside the data.
+    """
+    if hydro.excitation is None:
+        raise ValueError("these hydrodynamic coefficients hold no excitation")
+    if low_frequency not in LOW_FREQUENCY:
+        raise ValueError(f"low_frequency is {low_frequency!r}, needs one of {', '.join(LOW_FREQUENCY)}")
+    omega = np.asarray(omega, dtype=float)
+    at_heading = _at_heading(hydro, np.asarray(heading, dtype=float))
+    lowest = at_heading[..., :1, :]
+    if low_frequency == "hydrostatic":
+        if hydro.hydrostatic_stiffness is None:
+            raise ValueError('low_frequency "hydrostatic" needs the hydrostatic stiffness')
+        lowest = np.broadcast_to(hydro.hydrostatic_stiffness[:, 2].astype(complex), lowest.shape)
+    values = np.concatenate([lowest, at_heading], axis=-2)
+    grid = np.concatenate([[0.0], hydro.omega])
+    index, weight = _bracket(grid, np.minimum(omega, grid[-1]))
+    beyond = np.minimum(1.0, grid[-1] / np.maximum(omega, 1e-12)) ** 2
+    w = weight[:, None]
+    return ((1 - w) * values[..., index, :] + w * values[..., index + 1, :]) * beyond[:, None]
+
+
+def headings_cover(hydro: HydroCoefficients, heading) -> np.ndarray:
+    """Tell for each heading [rad] whether the data reach it (a set that spans a full turn reaches all)."""
+    grid, angle = _full_turn(hydro), _wrap(np.asarray(heading, dtype=float), hydro.heading[0])
+    return (angle >= grid[0] - 1e-9) & (angle <= grid[-1] + 1e-9)
+
+
+def transfer(hydro: HydroCoefficients, point) -> HydroCoefficients:
+    """Return the same body's coefficients about another reference point (3) [m]; waves keep their phase origin."""
+    offset = np.asarray(point, dtype=float) - hydro.reference_point
+
+    def moved(matrix):
+        return None if matrix is None else move_matrix(matrix, offset)
+
+    return replace(
+        hydro,
+        reference_point=np.asarray(point, dtype=float),
+        added_mass=moved(hydro.added_mass),
+        radiation_damping=moved(hydro.radiation_damping),
+        added_mass_zero=moved(hydro.added_mass_zero),
+        added_mass_infinite=moved(hydro.added_mass_infinite),
+        excitation=None if hydro.excitation is None else move_force(hydro.excitation, offset),
+        hydrostatic_stiffness=moved(hydro.hydrostatic_stiffness),
+    )
+
+
+def _at_heading(hydro: HydroCoefficients, heading: np.ndarray) -> np.ndarray:
+    """Return the excitation (..., n, 6) at headings of any shape."""
+    if not np.all(headings_cover(hydro, heading)):
+        bad = np.degrees(heading[~headings_cover(hydro, heading)]).ravel()[0]
+        low, high = np.degrees(hydro.heading[[0, -1]])
+        raise ValueError(
+            f"heading {bad:.1f} deg lies outside the excitation data ({low:.1f} to {high:.1f} deg); "
+            "compute the coefficients for that heading"
+        )
+    grid = _full_turn(hydro)
+    values = hydro.excitation if len(grid) == len(hydro.heading) else np.concatenate([hydro.excitation] * 2)[: len(grid)]
+    if len(grid) == 1:
+        return np.broadcast_to(values[0], heading.shape + values.shape[1:])
+    index, weight = _bracket(grid, np.clip(_wrap(heading, grid[0]), grid[0], grid[-1]))
+    w = weight[..., None, None]
+    return (1 - w) * values[index] + w * values[index + 1]
+
+
+def _full_turn(hydro: HydroCoefficients) -> np.ndarray:
+    """Return the headings, closed to a full turn when the gap that remains is no wider than the widest step."""
+    grid = hydro.heading
+    gap = grid[0] + 2 * np.pi - grid[-1]
+    if len(grid) > 2 and 1e-9 < gap <= np.diff(grid).max() + 1e-9:
+        return np.concatenate([grid, [grid[0] + 2 * np.pi]])
+    return grid
+
+
+def _wrap(angle: np.ndarray, start: float) -> np.ndarray:
+    """Return angles shifted by whole turns into [start, start + 2 pi)."""
+    return start + np.mod(angle - start + 1e-12, 2 * np.pi) - 1e-12
+
+
+def _bracket(grid: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the index of the interval and the weight of its upper end, for points inside the grid."""
+    index = np.clip(np.searchsorted(grid, x, side="right") - 1, 0, len(grid) - 2)
+    return index, (x - grid[index]) / (grid[index + 1] - grid[index])
+
+
+def _lerp(values: np.ndarray, index: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    w = weight[:, None, None]
+    return (1 - w) * values[index] + w * values[index + 1]
