@@ -1,4 +1,4 @@
-"""The sea: wave spectra, directional spreading and linear wave kinematics.
+"""The sea: wave spectra and directional spreading; linear waves come from airy.py.
 
 Spectra are one-sided in m2/(rad/s), so that the variance of the elevation is their integral over omega and
 m0 = Hs^2/16. Headings are directions of propagation. All spectra with a peak are sums of at most two wave systems,
@@ -10,13 +10,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import trapezoid
 from scipy.special import betainc, gammaln
 
 from model.conventions import freeze
+from model.environment.airy import WaveKinematics, wave_kinematics, wavenumber
+
+__all__ = [
+    "KINDS",
+    "SeaState",
+    "WaveKinematics",
+    "default_gamma",
+    "directional_spectrum",
+    "moments",
+    "most_probable_systems",
+    "significant_height",
+    "spreading_weights",
+    "wave_kinematics",
+    "wave_spectrum",
+    "wavenumber",
+]
 
 KINDS = ("jonswap", "pierson_moskowitz", "white_noise", "torsethaugen", "ochi_hubble", "table", "still")
 STANDARD_GRAVITY = 9.80665  # m/s2; enters the Torsethaugen peakedness only
@@ -33,8 +48,8 @@ class SeaState:
     significant_height : Hs = 4 sqrt(m0) [m]; for all kinds but table and still (white_noise: this or level)
     peak_period : Tp [s]; for jonswap, pierson_moskowitz and torsethaugen
     gamma : JONSWAP peak factor [-]; None takes `default_gamma`
-    normalisation : "iec" (factor 1 - 0.287 ln gamma of IEC 61400-3, as in OpenFAST; m0 is Hs^2/16 within 1 %)
-        or "exact" (m0 = Hs^2/16 exactly); for jonswap
+    normalisation : "iec" (factor 1 - 0.287 ln gamma of IEC 61400-3, as in OpenFAST; m0 is Hs^2/16 within
+        0.5 % for gamma up to 5, 2 % at 7) or "exact" (m0 = Hs^2/16 exactly); for jonswap
     heading : direction of propagation [rad]
     spreading : exponent s of cos^2s((theta - heading)/2) [-]; None is a long-crested sea
     level : one-sided level of white noise [m2/Hz], over `band`
@@ -356,7 +371,7 @@ def _share_of_one_heading(offset):
     if same.any():
         return same.astype(float)
     below, above = offset[offset < 0], offset[offset > 0]
-    if not (below.size and above.size) or above.min() - below.max() > np.pi / 2:
+    if not (below.size and above.size) or above.min() - below.max() > np.pi / 2 + 1e-6:
         return np.zeros(offset.size)
     low, high = below.max(), above.min()
     at_low, at_high = np.abs(offset - low) < 1e-9, np.abs(offset - high) < 1e-9
@@ -367,7 +382,8 @@ def _share_of_arcs(offset, ahead, behind, sea: SeaState):
     """Return the integral of cos^2s(angle/2) over the arc of each heading, as a part of the full circle."""
     if offset.size == 1:
         return np.where(np.abs(offset) <= np.pi / 4, 1.0, 0.0)
-    open_ahead, open_behind = ahead > np.pi / 2, behind > np.pi / 2
+    widest = np.pi / 2 + 1e-6  # a wider gap is taken for the end of the set
+    open_ahead, open_behind = ahead > widest, behind > widest
     upper = np.where(open_ahead, np.where(open_behind, 0.0, behind), ahead) / 2
     lower = np.where(open_behind, np.where(open_ahead, 0.0, ahead), behind) / 2
     return _spread_below(offset + upper, sea.spreading) - _spread_below(offset - lower, sea.spreading)
@@ -393,87 +409,3 @@ def directional_spectrum(seas: SeaState | Sequence[SeaState], omega, headings) -
         if sea.kind != "still":
             total += spreading_weights(sea, headings)[:, None] * wave_spectrum(sea, omega)
     return total
-
-
-# --- linear waves ----------------------------------------------------------------------------------------------------
-
-
-def wavenumber(omega, depth: float, gravity: float) -> np.ndarray:
-    """Return the wavenumber k [1/m] of linear waves: omega^2 = g k tanh(k depth).
-
-    omega (...) [rad/s]; depth [m], may be infinite; gravity [m/s2]. Zero at zero frequency. Newton's method from
-    Eckart's approximation (within 5 %), to machine precision. Raises ValueError for a depth that is not positive.
-    """
-    if not depth > 0:
-        raise ValueError(f"depth is {depth} m; it must be positive (numpy.inf for deep water)")
-    omega = np.asarray(omega, dtype=float)
-    if np.isinf(depth):
-        return omega**2 / gravity
-    a = omega**2 * depth / gravity
-    safe = np.where(a > 0, a, 1.0)
-    x = safe / np.sqrt(np.tanh(safe))
-    for _ in range(6):  # the error squares at each step: 5e-2, 1e-3, 1e-6, 1e-12, then rounding
-        t = np.tanh(x)
-        x = x - (x * t - safe) / (t + x * (1 - t**2))
-    return np.where(a > 0, x, 0.0) / depth
-
-
-class WaveKinematics(NamedTuple):
-    """Complex amplitudes per metre of wave amplitude.
-
-    velocity (..., n, 3) [1/s], acceleration (..., n, 3) [1/s2], pressure_head (..., n) [-]: dynamic pressure over
-    density times gravity.
-    """
-
-    velocity: np.ndarray
-    acceleration: np.ndarray
-    pressure_head: np.ndarray
-
-
-def wave_kinematics(omega, wavenumber, depth: float, position, heading=0.0) -> WaveKinematics:
-    """Return velocity, acceleration and dynamic pressure of linear (Airy) waves of unit amplitude.
-
-    The elevation is Re{e^{i(omega t - k (x cos b + y sin b))}}: a crest at the origin at time zero. Points above
-    still water take the values at z = 0 (no stretching). At zero frequency velocity and acceleration are zero.
-
-    Parameters
-    ----------
-    omega, wavenumber : (n) [rad/s], (n) [1/m], the latter from `wavenumber`
-    depth : [m], may be infinite
-    position : (..., 3) points [m]
-    heading : direction of propagation b [rad], a scalar or an array that broadcasts with the leading axes of position
-
-    Returns
-    -------
-    WaveKinematics with leading axes (..., n).
-
-    Raises
-    ------
-    ValueError : a point lies below the seabed.
-    """
-    omega, k = np.atleast_1d(np.asarray(omega, dtype=float)), np.atleast_1d(np.asarray(wavenumber, dtype=float))
-    position = np.asarray(position, dtype=float)
-    z = np.minimum(position[..., 2], 0.0)
-    if (z < -depth * (1 + 1e-9)).any():
-        raise ValueError(
-            f"a point at z = {z.min():g} m lies below the seabed at {-depth:g} m; check depth and position"
-        )
-    heading = np.asarray(heading, dtype=float)
-    along = position[..., 0] * np.cos(heading) + position[..., 1] * np.sin(heading)
-    phase = np.exp(-1j * k * along[..., None])
-    horizontal, vertical, head = _depth_profiles(k, np.maximum(z, -depth)[..., None], depth)
-    speed = omega * phase * horizontal
-    parts = speed * np.cos(heading)[..., None], speed * np.sin(heading)[..., None], 1j * omega * phase * vertical
-    velocity = np.stack(np.broadcast_arrays(*parts), axis=-1)
-    return WaveKinematics(velocity, 1j * omega[:, None] * velocity, phase * head)
-
-
-def _depth_profiles(k, z, depth):
-    """Return cosh k(z+h)/sinh kh, sinh k(z+h)/sinh kh and cosh k(z+h)/cosh kh, without overflow; 0, 0, 1 for k = 0."""
-    decay = np.exp(k * z)
-    if np.isinf(depth):
-        still = k > 0
-        return decay * still, decay * still, decay
-    up, down = np.exp(-2 * k * (z + depth)), np.exp(-2 * k * depth)
-    sink = np.where(k > 0, -np.expm1(-2 * k * depth), np.inf)
-    return decay * (1 + up) / sink, decay * -np.expm1(-2 * k * (z + depth)) / sink, decay * (1 + up) / (1 + down)

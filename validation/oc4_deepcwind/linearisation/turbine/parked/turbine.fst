@@ -9,7 +9,7 @@ NREL 5 MW on OC3/OC4 floating tower U=0.0 rpm=0.0 pitch=90.0 DOFs=Ptfm+TwFADOF1
              2   InterpOrder    - order of the input extrapolation
              0   NumCrctn       - extra correction steps (loose coupling)
            0.5   RhoInf         - spectral radius of the integrator at infinite frequency
-          1e-6   ConvTol        - tolerance of the coupled iteration
+          1e-4   ConvTol        - tolerance of the coupled iteration
             20   MaxConvIter    - most iterations a step
          99999   DT_UJac        - interval of Jacobian renewal (s)
          1E+06   UJacSclFact    - scaling of loads in the Jacobian

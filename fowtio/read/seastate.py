@@ -1,0 +1,60 @@
+"""The sea of a deck: the waves section of SeaState's file, or of HydroDyn's in decks older than SeaState."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fowtio.errors import FormatError
+from fowtio.read.openfast_input import InputFile
+from model.environment.sea import SeaState, default_gamma
+
+_REGULAR, _IRREGULAR, _WHITE_NOISE = 1, 2, 3
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DeckSea:
+    """What a deck says of the water: the sea (None when fowtio has no such kind), density [kg/m3] and depth [m] (None when
+    left to the primary file), a still-water level offset [m], and whether a current is defined.
+    """
+
+    sea: SeaState | None
+    wave_model: str
+    density: float | None
+    depth: float | None
+    level_offset: float
+    current: bool
+
+
+def deck_sea(deck: InputFile) -> DeckSea:
+    """Return the sea of an input file that holds OpenFAST's waves section; raise FormatError."""
+    model = deck.text("WaveMod")
+    kind = int(model) if model.isdigit() else -1
+    heading = np.radians(deck.number("WaveDir", 0.0))
+    low, high = deck.number("WvLowCOff", 0.0), deck.number("WvHiCOff", np.inf)
+    spreading = None
+    if deck.has("WaveDirMod") and deck.integer("WaveDirMod", 0) == 1:
+        spreading = deck.number("WaveDirSpread")
+    sea = None
+    if kind == 0:
+        sea = SeaState(kind="still")
+    elif kind == _IRREGULAR:
+        hs, tp = deck.number("WaveHs"), deck.number("WaveTp")
+        gamma = deck.number("WavePkShp", default_gamma(hs, tp) if hs > 0 and tp > 0 else None)
+        sea = _sea(deck, "WaveHs", kind="jonswap", significant_height=hs, peak_period=tp, gamma=gamma, heading=heading,
+                   spreading=spreading, low_cutoff=low, high_cutoff=high)  # fmt: skip
+    elif kind == _WHITE_NOISE:
+        band = (low / (2 * np.pi), high / (2 * np.pi))
+        sea = _sea(deck, "WvHiCOff", kind="white_noise", significant_height=deck.number("WaveHs"), band=band, heading=heading)
+    return DeckSea(
+        sea=sea, wave_model=model, density=deck.number("WtrDens", None), depth=deck.number("WtrDpth", None),
+        level_offset=deck.number("MSL2SWL", 0.0), current=deck.has("CurrMod") and deck.integer("CurrMod", 0) != 0,
+    )  # fmt: skip
+
+
+def _sea(deck: InputFile, name: str, **values) -> SeaState:
+    try:
+        return SeaState(**values)
+    except ValueError as error:
+        raise FormatError(deck.path, deck.line(name), expected="a sea that can be", hint=str(error)) from None

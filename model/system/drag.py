@@ -1,0 +1,88 @@
+"""Quadratic drag of slender members and heave plates, linearised for a Gaussian relative velocity (Borgman).
+
+Every element resists one projection of the relative velocity u (water minus body): F = K |P u| P u, with
+P = 1 - a a' across a member's axis a and P = a a' along it at an end plate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.conventions import freeze, point_motion
+
+_ANGLES = (np.arange(12) + 0.5) * np.pi / 12
+_DIRECTIONS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)])
+_CUBE_MEAN = 3 * np.sqrt(np.pi / 2)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DragMembers:
+    """Drag elements: position (s, 3) [m], axis (s, 3) unit vectors, factor K (s) [kg/m], axial (s) true for end plates.
+
+    K is 1/2 rho Cd D L of a strip. HydroDyn's end drag is K = 1/4 rho AxCd A. diameter and length (s) [m] are
+    kept for what people read (0 for an end plate's length).
+    """
+
+    position: np.ndarray
+    axis: np.ndarray
+    factor: np.ndarray
+    axial: np.ndarray
+    diameter: np.ndarray
+    length: np.ndarray
+
+    def __post_init__(self):
+        freeze(
+            self, position=("s", 3), axis=("s", 3), factor=("s",), axial=("s",), diameter=("s",), length=("s",),
+        )  # fmt: skip
+
+    def __len__(self) -> int:
+        return len(self.factor)
+
+
+def no_drag() -> DragMembers:
+    """Return a body without drag elements."""
+    return DragMembers(
+        position=np.zeros((0, 3)), axis=np.zeros((0, 3)), factor=np.zeros(0), axial=np.zeros(0), diameter=np.zeros(0),
+        length=np.zeros(0),
+    )  # fmt: skip
+
+
+def resisted_directions(members: DragMembers) -> np.ndarray:
+    """Return for each element two orthonormal directions (s, 2, 3) that it resists; the second is zero for an end plate."""
+    a = members.axis
+    helper = np.where(np.abs(a[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
+    first = np.cross(a, helper)
+    first /= np.maximum(np.linalg.norm(first, axis=1, keepdims=True), 1e-300)
+    second = np.cross(a, first)
+    axial = members.axial[:, None] > 0
+    return np.stack([np.where(axial, a, first), np.where(axial, 0.0, second)], axis=1)
+
+
+def element_motion(members: DragMembers, directions: np.ndarray) -> np.ndarray:
+    """Return the motion (s, 2, 6) of the elements along their resisted directions per unit of platform motion."""
+    return directions @ point_motion(members.position)
+
+
+def borgman_coefficients(covariance: np.ndarray) -> np.ndarray:
+    """Return the linear coefficients (..., 2, 2) with |u| u ~ b u in the mean square, for a Gaussian 2-D velocity u.
+
+    covariance (..., 2, 2) [m2/s2] of u. In one dimension b = sqrt(8/pi) sigma (Borgman 1967); in two the expectation
+    E[|u| u u'] over the direction is done by quadrature and multiplied with the inverse covariance.
+    """
+    variance, axes = np.linalg.eigh(covariance)
+    s1, s2 = (np.maximum(variance[..., k, None], 0.0) for k in (0, 1))
+    size = np.sqrt(s1 * _DIRECTIONS[0] ** 2 + s2 * _DIRECTIONS[1] ** 2)
+    principal = _CUBE_MEAN * (size[..., None, :] * _DIRECTIONS**2).mean(axis=-1)
+    return (axes * principal[..., None, :]) @ np.swapaxes(axes, -1, -2)
+
+
+def linear_drag(members: DragMembers, motion: np.ndarray, coefficients: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the 6x6 drag damping (..., 6, 6) and the drag force per unit of water velocity (..., 6, s, 2).
+
+    motion (s, 2, 6) of the elements; coefficients (..., s, 2, 2) from `borgman_coefficients`.
+    """
+    scaled = members.factor[:, None, None] * coefficients
+    per_velocity = np.einsum("sai,...sab->...isb", motion, scaled)
+    return np.einsum("...isb,sbj->...ij", per_velocity, motion), per_velocity
