@@ -12,7 +12,7 @@ from fowtio.read.openfast_input import InputFile, read_input
 from model.conventions import freeze
 from model.system.drag import DragMembers, no_drag
 
-_STRIP_LENGTH = 5.0  # one Gauss point for about every 5 m of wetted length, never fewer than two
+_STRIP_LENGTH = 10.0  # one Gauss point for about every 10 m of wetted length and one more
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -116,7 +116,7 @@ def _strips(members: Members, i: int, density: float, level: float) -> tuple[np.
     rise = end[2] - start[2]
     wet = 0.0 if start[2] >= level else (1.0 if end[2] <= level else (level - start[2]) / rise)
     full = np.linalg.norm(end - start)
-    count = 0 if wet == 0 else (1 if wet * full < 1.0 else max(2, int(np.ceil(wet * full / _STRIP_LENGTH)) + 1))
+    count = 0 if wet == 0 else (1 if wet * full < 1.0 else int(np.ceil(wet * full / _STRIP_LENGTH)) + 1)
     x, w = np.polynomial.legendre.leggauss(count) if count else (np.zeros(0), np.zeros(0))
     along = (x + 1) / 2 * wet
     length = w / 2 * wet * full

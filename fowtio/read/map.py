@@ -87,8 +87,11 @@ def map_mooring(file: MapFile, *, depth: float, gravity: float, density: float) 
 
 
 def _repeated(points, ids, lines, angles, depth, gravity, density) -> MooringSystem:
-    """Return the system with all points and lines copied around the vertical axis."""
-    turn = [np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]]) for a in angles]
+    """Return the system with all points and lines copied around the vertical axis.
+
+    MAP++ turns the copies clockwise seen from above: a line towards 60 degrees repeated at 240 goes towards 180.
+    """
+    turn = [np.array([[np.cos(a), np.sin(a), 0], [-np.sin(a), np.cos(a), 0], [0, 0, 1]]) for a in angles]
     copies = range(len(angles))
     n = len(points)
     columns = list(zip(*lines, strict=True))
@@ -98,7 +101,7 @@ def _repeated(points, ids, lines, angles, depth, gravity, density) -> MooringSys
 
     return MooringSystem(
         point_names=tuple(f"{name}" if k == 0 else f"{name}.{k + 1}" for k in copies for name in ids),
-        kind=tuple(p[0] for _ in copies for p in points),
+        point_kind=tuple(p[0] for _ in copies for p in points),
         position=np.concatenate([[t @ p[1] for p in points] for t in turn]),
         point_mass=np.tile([p[2] for p in points], len(angles)),
         point_volume=np.tile([p[3] for p in points], len(angles)),
@@ -106,7 +109,7 @@ def _repeated(points, ids, lines, angles, depth, gravity, density) -> MooringSys
         line_names=tuple(str(k * len(lines) + j + 1) for k in copies for j in range(len(lines))),
         end_a=np.concatenate([np.array(columns[1]) + k * n for k in copies]),
         end_b=np.concatenate([np.array(columns[2]) + k * n for k in copies]),
-        length=tiled(3), mass_per_length=tiled(4), diameter=tiled(5), stiffness=tiled(6), friction=tiled(7),
+        length=tiled(3), mass_per_length=tiled(4), diameter=tiled(5), axial_stiffness=tiled(6), seabed_friction=tiled(7),
         depth=depth, gravity=gravity, density=density,
     )  # fmt: skip
 

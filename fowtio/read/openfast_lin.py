@@ -20,6 +20,14 @@ _COUNTS = {
     "outputs": "Number of outputs:",
 }
 _SIZE = re.compile(r"^\s*(\w+)\s*:\s*(\d+)\s*x\s*(\d+)\s*$")
+_DOF_INDEX = re.compile(r"internal DOF index = (DOF_\w+(?:\((\d+),\s*(\d+)\))?)\)")
+_DOF_NAMES = {
+    "DOF_Sg": "surge", "DOF_Sw": "sway", "DOF_Hv": "heave", "DOF_R": "roll", "DOF_P": "pitch", "DOF_Y": "yaw",
+    "DOF_TFA1": "tower_fa1", "DOF_TFA2": "tower_fa2", "DOF_TSS1": "tower_ss1", "DOF_TSS2": "tower_ss2",
+    "DOF_Yaw": "nacelle_yaw", "DOF_GeAz": "generator_azimuth", "DOF_DrTr": "drivetrain", "DOF_Teet": "teeter",
+    "DOF_RFrl": "rotor_furl", "DOF_TFrl": "tail_furl",
+}  # fmt: skip
+_BLADE_NAMES = {"DOF_BF": "flap", "DOF_BE": "edge"}
 _ROW = re.compile(r"^\s*(\d+)\s+(.*?)\s+([TF])\s+(.*)$")
 
 
@@ -48,11 +56,23 @@ def read_openfast_lin(path: str | Path) -> Linearisation:
         state_names=states[0], input_names=inputs[0], output_names=outputs[0],
         state_point=[p if np.isscalar(p) else p[0] for p in states[1]], input_point=inputs[1], output_point=outputs[1],
         state_rotating=states[2], input_rotating=inputs[2], output_rotating=outputs[2],
-        state_order=_orders(states),
+        state_order=_orders(states), state_dof=tuple(_dof(name) for name in states[0]),
+        state_rate=["First time derivative of" in name for name in states[0]],
         azimuth=_header(path, lines, "Azimuth:"), rotor_speed=_header(path, lines, "Rotor Speed:"),
         wind_speed=_header(path, lines, "Wind Speed:", 0.0),
         modules=_modules(lines), source=str(path), jacobians=matrices,
     )  # fmt: skip
+
+
+def _dof(name: str) -> str:
+    """Return our name of the degree of freedom behind a state of ElastoDyn, or "" when the state is none of its."""
+    match = _DOF_INDEX.search(name)
+    if match is None:
+        return ""
+    if match[2]:
+        kind = _BLADE_NAMES.get(match[1].split("(")[0])
+        return f"blade{match[2]}_{kind}{match[3]}" if kind else ""
+    return _DOF_NAMES.get(match[1], "")
 
 
 def _header(path: Path, lines: list[str], label: str, default: float | None = None) -> float:

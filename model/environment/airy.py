@@ -21,7 +21,7 @@ def wavenumber(omega, depth: float, gravity: float) -> np.ndarray:
     a = omega**2 * depth / gravity
     safe = np.where(a > 0, a, 1.0)
     x = safe / np.sqrt(np.tanh(safe))
-    for _ in range(6):  # the error squares at each step: 5e-2, 1e-3, 1e-6, 1e-12, then rounding
+    for _ in range(4):  # the relative error falls from 5e-2 to 5e-4, 7e-8, 2e-15, rounding
         t = np.tanh(x)
         x = x - (x * t - safe) / (t + x * (1 - t**2))
     return np.where(a > 0, x, 0.0) / depth

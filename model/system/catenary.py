@@ -22,7 +22,7 @@ import numpy as np
 
 # A line lighter than this part of EA / L is given this weight: it is then straight when taut and carries next to
 # nothing when slack, which is the limit wanted for neutrally buoyant ropes, and the equations stay regular.
-LEAST_WEIGHT = 1e-9
+LEAST_WEIGHT = 1e-12
 # Relative Newton step after which the quadratically convergent next state is exact to rounding.
 STEP = 1e-8
 # A horizontal distance below this part of the length is a vertical line; a height below it a flat one.
@@ -56,6 +56,11 @@ class LineState:
     anchor_lateral: np.ndarray
     weight: np.ndarray
     clearance_stiffness: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
 
     @property
     def flexibility(self) -> np.ndarray:
@@ -98,11 +103,51 @@ def catenary(
 
     Source: Jonkman (2007), section 2.7; the Jacobians are their derivatives.
     """
-    x, z, length, w, ea, cb, clear = np.broadcast_arrays(
-        *(np.asarray(a, dtype=float) for a in (horizontal, vertical, length, weight, stiffness, friction, clearance))
-    )
-    _check(x, z, length, w, ea, cb, names)
-    return solve_lines(x, z, length, w, ea, cb, clear, start)
+    given = (horizontal, vertical, length, weight, stiffness, friction, clearance)
+    shape = np.broadcast_shapes(*(np.shape(a) for a in given))
+    x, z, length, w, ea, cb, clear = (np.array(np.broadcast_to(a, shape or (1,)), dtype=float) for a in given)
+    check_lines(x, z, length, w, ea, cb, names)
+    state = solve_lines(x, z, length, w, ea, cb, clear, start)
+    lost = ~np.isfinite(state.horizontal + state.vertical)
+    if lost.any():
+        raise ValueError(
+            f"{_which(lost, names)}: no equilibrium, the line is too short ({_numbers(lost, x, z, length)})"
+        )
+    if shape:
+        return state
+    return LineState(**{name: None if value is None else value[0] for name, value in vars(state).items()})
+
+
+def line_profile(state, horizontal, vertical, length, stiffness, friction=0.0, n=101):
+    """Return shape and tension along solved lines at n points, equally spaced in unstretched length from the anchor.
+
+    Parameters: state from `catenary`, and the horizontal and vertical distance [m], unstretched length [m], axial
+    stiffness [N] and seabed friction [-] it was solved for, all (...); n points.
+
+    Returns x and z from the anchor [m] and the tension [N], each (..., n).
+
+    Source: Jonkman (2007), section 2.7; the excess of a slack line is laid evenly along the seabed.
+    """
+    given = (horizontal, vertical, length, stiffness, friction, state.grounded, state.anchor_vertical, state.weight)
+    x, z, length, ea, cb, lying, lift, w = (np.asarray(a, dtype=float)[..., None] for a in given)
+    s = np.linspace(0, 1, n) * length
+    first = np.where(lying > 0, np.maximum(-lift, 0.0) / np.abs(w), 0.0)  # hanging length between anchor and seabed
+    flat = np.clip(s - first, 0.0, lying)
+    v = lift + w * (s - flat)
+    pull = np.maximum(state.horizontal, state.anchor_horizontal)[..., None]
+    h = np.maximum(pull, 1e-250)
+    t, t0 = np.hypot(h, v), np.hypot(h, lift)
+    # friction eats the horizontal tension away from the touchdown point of a line with one end on the seabed
+    one_end = (state.vertical == 0) | (state.anchor_vertical == 0)
+    drag = np.where((lying > 0) & one_end[..., None], cb * np.abs(w), 0.0)
+    back = np.where(z < 0, flat, lying - flat)
+    left, most = np.maximum(pull - drag * back, 0.0), np.maximum(pull - drag * lying, 0.0)
+    edge = np.where(z < 0, pull**2 - left**2, left**2 - most**2)
+    stretch = pull * (s - flat) + np.where(drag > 0, 0.5 * edge / np.where(drag > 0, drag, 1.0), pull * flat)
+    along = np.where((pull > 0) | (lying == 0), 1.0, x / np.where(lying > 0, lying, 1.0)) * flat
+    across = along + h / w * _span(h, v, lift, t, t0) + stretch / ea
+    up = (v + lift) * (s - flat) * (1 / (t + t0) + 0.5 / ea)
+    return across, up, np.hypot(left, v)
 
 
 def solve_lines(x, z, length, w, ea, cb, clear, start=None) -> LineState:
@@ -126,12 +171,13 @@ def solve_lines(x, z, length, w, ea, cb, clear, start=None) -> LineState:
 
 
 def effective_weight(weight, length, stiffness) -> np.ndarray:
-    """Return the submerged weight per length [N/m] that is used for a line, never closer to zero than LEAST_WEIGHT EA/L."""
+    """Return the submerged weight per length [N/m] used for a line: never closer to zero than LEAST_WEIGHT EA / L."""
     least = LEAST_WEIGHT * stiffness / length
     return np.where(np.abs(weight) < least, least, weight)
 
 
-def _check(x, z, length, w, ea, cb, names) -> None:
+def check_lines(x, z, length, w, ea, cb, names) -> None:
+    """Raise ValueError naming the lines that `catenary` refuses."""
     problems = (
         (~np.isfinite(x + z + length + w + ea + cb), "the numbers must be finite"),
         (~((length > 0) & (ea > 0)), "length and axial stiffness must be positive"),
@@ -293,6 +339,8 @@ def _newton(h, v, x, z, e, cb, seabed, closed, count):
         gx, gz, fxx, fxz, fzx, fzz = _evaluate(h, v, e, cb, seabed)
         rx, rz = x - gx, z - gz
         det = fxx * fzz - fxz * fzx
+        if some:
+            det = np.where(closed, 1.0, det)
         dh, dv = (fzz * rx - fxz * rz) / det, (fxx * rz - fzx * rx) / det
         bad = ~((np.abs(dh) <= STEP * h) & (np.abs(dv) <= STEP * v))
         if some:

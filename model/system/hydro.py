@@ -56,6 +56,11 @@ class HydroOnGrid:
     excitation: np.ndarray
 
 
+def infinite_added_mass(hydro: HydroCoefficients) -> np.ndarray:
+    """Return the infinite-frequency added mass (6, 6), that of the highest frequency where the data lack it."""
+    return hydro.added_mass[-1] if hydro.added_mass_infinite is None else hydro.added_mass_infinite
+
+
 LOW_FREQUENCY = ("hold", "hydrostatic")
 
 
@@ -68,7 +73,7 @@ def radiation_at(hydro: HydroCoefficients, omega) -> tuple[np.ndarray, np.ndarra
     """
     omega = np.asarray(omega, dtype=float)
     low = hydro.added_mass[0] if hydro.added_mass_zero is None else hydro.added_mass_zero
-    high = hydro.added_mass[-1] if hydro.added_mass_infinite is None else hydro.added_mass_infinite
+    high = infinite_added_mass(hydro)
     grid = np.concatenate([[0.0], hydro.omega])
     index, weight = _bracket(grid, np.minimum(omega, grid[-1]))
     beyond = np.minimum(1.0, grid[-1] / np.maximum(omega, 1e-12)) ** 2

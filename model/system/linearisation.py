@@ -16,6 +16,7 @@ class Linearisation:
     A (x, x), B (x, u), C (y, x), D (y, u); the names, operating points and rotating-frame flags of states, inputs
     and outputs; derivative order of the states (2 for positions and velocities, 1 for first-order states);
     azimuth [rad], rotor_speed [rad/s], wind_speed [m/s]; modules that were linked; source names the file.
+    state_dof names the degree of freedom of each state ("" when it has none), state_rate is 1 for velocities.
     """
 
     A: np.ndarray
@@ -32,6 +33,8 @@ class Linearisation:
     input_rotating: np.ndarray
     output_rotating: np.ndarray
     state_order: np.ndarray
+    state_dof: tuple[str, ...]
+    state_rate: np.ndarray
     azimuth: float = 0.0
     rotor_speed: float = 0.0
     wind_speed: float = 0.0
@@ -42,7 +45,7 @@ class Linearisation:
     def __post_init__(self):
         freeze(
             self, A=("x", "x"), B=("x", "u"), C=("y", "x"), D=("y", "u"), state_point=("x",), state_rotating=("x",),
-            input_rotating=("u",), output_rotating=("y",), state_order=("x",),
+            input_rotating=("u",), output_rotating=("y",), state_order=("x",), state_rate=("x",),
         )  # fmt: skip
         counts = (len(self.state_names), len(self.input_names), len(self.output_names))
         if counts != (self.A.shape[0], self.B.shape[1], self.C.shape[0]):

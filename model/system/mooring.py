@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from model.conventions import frozen, rotation, rotation_rate, skew
-from model.system.catenary import _check, solve_lines
+from model.system.catenary import check_lines, solve_lines
 
 POINT_KINDS = ("fixed", "vessel", "connect")
 SEABED_TOLERANCE = 0.01  # [m] a point this close to the seabed lies on it
@@ -81,6 +81,15 @@ class MooringSystem:
         return frozen(load)
 
     @cached_property
+    def _line_arrays(self) -> tuple[np.ndarray, ...]:
+        return self.length, self.weight_per_length, self.axial_stiffness, self.seabed_friction
+
+    @cached_property
+    def _designs(self) -> tuple[int, ...]:
+        """Leading axes of the designs."""
+        return np.broadcast_shapes(self.position.shape[:-2], *(a.shape[:-1] for a in self._line_arrays))
+
+    @cached_property
     def _index(self) -> dict[str, np.ndarray]:
         """Points of each kind, and the matrices (p, l) that add line ends to points."""
         kind = np.array(self.point_kind, dtype=object)
@@ -136,8 +145,165 @@ def mooring_state(system: MooringSystem, offset) -> MooringState:
     offset = np.asarray(offset, dtype=float)
     if offset.shape[-1:] != (6,):
         raise ValueError(f"offset has shape {offset.shape}, needs (..., 6): surge, sway, heave and a rotation vector")
+    batch = np.broadcast_shapes(offset.shape[:-1], system._designs)
     arm, motion = _vessel_points(system, offset)
-    position = _positions(system, offset, arm)
-    lines, direction = _lines(system, position)
-    _check_reach(system, position)
-    return _assemble(system, offset, arm, motion, position, lines, direction)
+    position = _positions(system, offset, arm, batch)
+    lines, basis, span = _lines(system, position)
+    _check_reach(system, span)
+    rate = _point_rates(system, position, motion)
+    return _assemble(system, offset, arm, position, lines, basis, rate)
+
+
+def _check_system(system: MooringSystem) -> None:
+    unknown = sorted(set(system.point_kind) - set(POINT_KINDS))
+    if unknown or len(system.point_kind) != len(system.point_names):
+        raise ValueError(
+            f"point_kind needs one of {POINT_KINDS} for each of the {len(system.point_names)} points: {unknown}"
+        )
+    ends = np.stack([system.end_a, system.end_b])
+    if ends.shape != (2, len(system.line_names)) or ends.min() < 0 or ends.max() >= len(system.point_names):
+        raise ValueError(f"end_a and end_b need {len(system.line_names)} indices of points from 0, are {ends.tolist()}")
+    same = [name for name, a, b in zip(system.line_names, *ends, strict=True) if a == b]
+    if same:
+        raise ValueError(f"line {', '.join(map(str, same))}: both ends are the same point")
+    low = [
+        name
+        for i, name in enumerate(system.point_names)
+        if system.point_kind[i] == "fixed" and np.any(system.position[..., i, 2] < -system.depth - SEABED_TOLERANCE)
+    ]
+    if low:
+        raise ValueError(f"point {', '.join(map(str, low))} is below the seabed at z = {-system.depth:g} m: raise it")
+    length, _, ea, cb = np.broadcast_arrays(*system._line_arrays)
+    check_lines(0 * length, 0 * length, length, 0 * length, ea, cb, system.line_names)
+
+
+# --- kinematics -----------------------------------------------------------------------------------------------------
+
+
+def _vessel_points(system, offset):
+    """Return arms from the displaced reference point (..., v, 3) and point motions per offset (..., v, 3, 6)."""
+    body = system.position[..., system._index["vessel"], :]
+    turn = rotation(offset[..., 3:])
+    arm = (turn[..., None, :, :] @ body[..., None])[..., 0]
+    motion = np.zeros(arm.shape + (6,))
+    motion[..., :3] = np.eye(3)
+    motion[..., 3:] = -skew(arm) @ rotation_rate(offset[..., 3:])[..., None, :, :]
+    return arm, motion
+
+
+def _positions(system, offset, arm, batch):
+    """Return the positions of all points (..., p, 3)."""
+    position = np.array(np.broadcast_to(system.position, batch + system.position.shape[-2:]))
+    position[..., system._index["vessel"], :] = offset[..., None, :3] + arm
+    return position
+
+
+def _point_rates(system, position, motion):
+    """Return d(position) / d(coordinates) of all points (..., p, 3, 6)."""
+    rate = np.zeros(position.shape + (6,))
+    rate[..., system._index["vessel"], :, :] = motion
+    return rate
+
+
+# --- lines ----------------------------------------------------------------------------------------------------------
+
+
+def _lines(system, position, start=None):
+    """Return the LineState of all lines, their bases (..., l, 3, 3) and (x, z) spans.
+
+    The columns of a basis are the horizontal direction from anchor to fairlead, up, and the horizontal normal.
+    """
+    a, b = position[..., system.end_a, :], position[..., system.end_b, :]
+    way = b - a
+    x = np.sqrt(way[..., 0] ** 2 + way[..., 1] ** 2)
+    z = way[..., 2]
+    clearance = np.minimum(a[..., 2], b[..., 2]) + system.depth
+    clearance = np.where(clearance <= SEABED_TOLERANCE, 0.0, clearance)
+    line = np.broadcast_arrays(x, *system._line_arrays)[1:] if x.ndim > 1 else system._line_arrays
+    state = solve_lines(x, z, *line, clearance, start)
+    basis = np.zeros(x.shape + (3, 3))
+    safe = np.where(x > 0, x, 1.0)
+    cosine, sine = np.where(x > 0, way[..., 0] / safe, 1.0), way[..., 1] / safe
+    basis[..., 0, 0] = basis[..., 1, 2] = cosine
+    basis[..., 1, 0], basis[..., 0, 2] = sine, -sine
+    basis[..., 2, 1] = 1.0
+    return state, basis, (x, z)
+
+
+def _check_reach(system, span):
+    x, z = span
+    if not (x * x + z * z <= 4 * system.length**2).all():
+        w = np.zeros(x.shape)
+        check_lines(*np.broadcast_arrays(x, z, system.length, w, w + 1, w), system.line_names)
+
+
+def _line_rates(system, lines, basis, rate, lower):
+    """Return d(fairlead H, V, side, anchor H, V, side) / d(coordinates) of the lines (..., l, 6, n)."""
+    local = np.zeros(lines.lateral.shape + (6, 3))
+    local[..., :2, :2], local[..., 3:5, :2] = lines.stiffness, lines.anchor_stiffness
+    local[..., 2, 2], local[..., 5, 2] = lines.lateral, lines.anchor_lateral
+    way = rate[..., system.end_b, :, :] - rate[..., system.end_a, :, :]
+    out = local @ (basis.swapaxes(-1, -2) @ way)
+    if lines.clearance_stiffness is not None:
+        heave = np.where(lower[..., None], rate[..., system.end_a, 2, :], rate[..., system.end_b, 2, :])
+        out[..., [0, 1, 3, 4], :] += lines.clearance_stiffness[..., None] * heave[..., None, :]
+    return out
+
+
+def _point_forces(system, lines, basis, line_rates):
+    """Return the forces of the lines on all points (..., p, 3) and their derivatives (..., p, 3, n)."""
+    n = line_rates.shape[-1]
+    at_b = np.stack([-lines.horizontal, -lines.vertical], -1)
+    at_a = np.stack([lines.anchor_horizontal, lines.anchor_vertical], -1)
+    plane = basis[..., :2]
+    force = (
+        system._index["to_b"] @ (plane @ at_b[..., None])[..., 0]
+        + system._index["to_a"] @ (plane @ at_a[..., None])[..., 0]
+    )
+    rows = line_rates.shape[:-2] + (3 * n,)
+    rate_b, rate_a = (basis @ line_rates[..., :3, :]).reshape(rows), (basis @ line_rates[..., 3:, :]).reshape(rows)
+    rate = system._index["to_a"] @ rate_a - system._index["to_b"] @ rate_b
+    return force, rate.reshape(rate.shape[:-1] + (3, n))
+
+
+# --- the whole system -----------------------------------------------------------------------------------------------
+
+
+def _assemble(system, offset, arm, position, lines, basis, rate):
+    """Add the line forces to platform forces, stiffness and tension gradients."""
+    lower = position[..., system.end_a, 2] <= position[..., system.end_b, 2]
+    line_rates = _line_rates(system, lines, basis, rate, lower)
+    force, force_rate = _point_forces(system, lines, basis, line_rates)
+    vessel = system._index["vessel"]
+    on_vessel, vessel_rate = force[..., vessel, :], -force_rate[..., vessel, :, :]
+    lever = skew(arm)
+    total = np.concatenate([on_vessel.sum(axis=-2), (lever @ on_vessel[..., None])[..., 0].sum(axis=-2)], axis=-1)
+    turning = lever @ vessel_rate + skew(on_vessel) @ rate[..., vessel, :, :] * _ROTATIONS
+    stiffness = np.concatenate([vessel_rate.sum(axis=-3), turning.sum(axis=-3)], axis=-2)
+    fairlead, anchor = lines.tension, lines.anchor_tension
+    return MooringState(
+        offset=np.array(np.broadcast_to(offset, total.shape)),
+        force=total,
+        stiffness=stiffness,
+        fairlead_tension=fairlead,
+        anchor_tension=anchor,
+        fairlead_horizontal=lines.horizontal,
+        fairlead_vertical=lines.vertical,
+        anchor_horizontal=lines.anchor_horizontal,
+        anchor_vertical=lines.anchor_vertical,
+        grounded_length=lines.grounded,
+        tension_gradient=_tension_gradient(fairlead, lines.horizontal, lines.vertical, line_rates[..., :2, :]),
+        anchor_tension_gradient=_tension_gradient(
+            anchor, lines.anchor_horizontal, lines.anchor_vertical, line_rates[..., 3:5, :]
+        ),
+        point_position=position,
+    )
+
+
+_ROTATIONS = np.array([0.0, 0, 0, 1, 1, 1])
+
+
+def _tension_gradient(tension, horizontal, vertical, rates):
+    """Return d(tension) / d(coordinates) (..., l, n) from the rates of its two parts."""
+    safe = np.where(tension > 0, tension, 1.0)
+    return (horizontal / safe)[..., None] * rates[..., 0, :] + (vertical / safe)[..., None] * rates[..., 1, :]

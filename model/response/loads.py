@@ -1,0 +1,174 @@
+"""Linear outputs of a response: motions, tower-top deflection and acceleration, tower-base loads, mooring tensions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.conventions import PLATFORM_DOFS, freeze
+from model.response.assemble import Equilibrium, System, to_platform
+from model.response.solve import Response
+from model.system.tower import TOWER_MODES, tower_modes
+from model.system.turbine import TurbineStructure, head_motion
+
+MOTION_CHANNELS = {
+    "surge": ("PtfmSurge", "m"), "sway": ("PtfmSway", "m"), "heave": ("PtfmHeave", "m"), "roll": ("PtfmRoll", "rad"),
+    "pitch": ("PtfmPitch", "rad"), "yaw": ("PtfmYaw", "rad"), "tower_fa1": ("TTDspFA", "m"), "tower_ss1": ("TTDspSS", "m"),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LinearOutputs:
+    """Channels y = mean + P x + V x' + A x'' + w u of the degrees of freedom's deviation x and the wind's u.
+
+    names, units (c); position, velocity, acceleration (c, q); wind (c); mean (c).
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    wind: np.ndarray
+    mean: np.ndarray
+
+    def __post_init__(self):
+        freeze(
+            self, position=("c", "q"), velocity=("c", "q"), acceleration=("c", "q"), wind=("c",), mean=("c",),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ChannelResponse:
+    """Channels of a response: to_wave (m, n, c) per metre of wave amplitude, to_wind (n, c) per m/s, mean (c), names, units."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    to_wave: np.ndarray
+    to_wind: np.ndarray
+    mean: np.ndarray
+
+    def index(self, name: str) -> int:
+        """Return the place of a channel; raise KeyError with the known names."""
+        if name not in self.names:
+            raise KeyError(f"no channel {name}; there are {', '.join(self.names)}")
+        return self.names.index(name)
+
+
+def linear_outputs(system: System, mean: Equilibrium, structure: TurbineStructure | None) -> LinearOutputs:
+    """Return the standard channels of a model about its mean offset.
+
+    Motions and tower-top deflections of the degrees of freedom kept; with a structure, the nacelle's acceleration and
+    the tower-base shear and moment; with moorings, the fairlead tension of every line.
+    """
+    q = len(system.dofs)
+    rows = [_motions(system, mean)]
+    if structure is not None:
+        rows += [_nacelle(system, structure), _tower_base(system, mean, structure)]
+    if mean.mooring is not None:
+        rows.append(_tensions(system, mean))
+    names, units, position, velocity, acceleration, wind, level = (sum((r[k] for r in rows), []) for k in range(7))
+
+    def stacked(values):
+        return np.array(values, dtype=float).reshape(len(names), q)
+
+    return LinearOutputs(
+        names=tuple(names), units=tuple(units), position=stacked(position), velocity=stacked(velocity),
+        acceleration=stacked(acceleration), wind=np.array(wind), mean=np.array(level),
+    )  # fmt: skip
+
+
+def channel_response(outputs: LinearOutputs, response: Response) -> ChannelResponse:
+    """Return the channels' transfer functions, phases kept."""
+    iw = 1j * response.excitation.omega[:, None]
+
+    def apply(x):
+        return x @ outputs.position.T + iw * (x @ outputs.velocity.T) + iw**2 * (x @ outputs.acceleration.T)
+
+    return ChannelResponse(
+        names=outputs.names, units=outputs.units, to_wave=apply(response.to_wave),
+        to_wind=apply(response.to_wind) + outputs.wind, mean=outputs.mean,
+    )  # fmt: skip
+
+
+def response_spectra(channels: ChannelResponse, response: Response) -> np.ndarray:
+    """Return one-sided response spectra (n, c) [unit2/(rad/s)]: waves of all headings and wind, uncorrelated."""
+    drive = response.excitation
+    waves = np.einsum("mnc,mn->nc", np.abs(channels.to_wave) ** 2, drive.wave_spectrum)
+    return waves + np.abs(channels.to_wind) ** 2 * drive.wind_spectrum[:, None]
+
+
+def _blank(count: int, q: int) -> list[list]:
+    return [[0.0] * q for _ in range(count)]
+
+
+def _motions(system: System, mean: Equilibrium) -> tuple[list, ...]:
+    q = len(system.dofs)
+    named = [d for d in system.dofs if d in MOTION_CHANNELS]
+    unit = [list(np.eye(q)[system.dofs.index(d)]) for d in named]
+    names, units = ([MOTION_CHANNELS[d][k] for d in named] for k in (0, 1))
+    level = [float(mean.offset[system.dofs.index(d)]) for d in named]
+    n = len(named)
+    return names, units, unit, _blank(n, q), _blank(n, q), [0.0] * n, level
+
+
+def _nacelle(system: System, structure: TurbineStructure) -> tuple[list, ...]:
+    """Fore-aft and side-to-side acceleration of the nacelle's accelerometer (gravity not sensed, as in OpenFAST 5)."""
+    q = len(system.dofs)
+    modes = tuple(d for d in system.dofs if d in TOWER_MODES)
+    motion = head_motion(structure.tower.top_height, tower_modes(structure.tower, modes), structure.accelerometer)
+    known = PLATFORM_DOFS + modes
+    full = np.zeros((2, q))
+    for k, dof in enumerate(known):
+        if dof in system.dofs:
+            full[:, system.dofs.index(dof)] = motion[:2, k]
+    return (
+        ["NcIMUTAxs", "NcIMUTAys"], ["m/s^2"] * 2, _blank(2, q), _blank(2, q), [list(r) for r in full], [0.0] * 2, [0.0] * 2,
+    )  # fmt: skip
+
+
+def _tower_base(system: System, mean: Equilibrium, structure: TurbineStructure) -> tuple[list, ...]:
+    """Shear and moment on the tower base: inertia, gravity, damping and aerodynamic load of all that stands above it.
+
+    The turbine's own equations give the force that it exerts on the platform in fixed directions about the reference
+    point; the section's axes turn with the platform, so the weight appears in the shear, and the moment is brought up
+    to the base.
+    """
+    turbine, q = system.turbine, len(system.dofs)
+    take = [turbine.dofs.index(d) for d in system.dofs if d in turbine.dofs]
+    to = [k for k, d in enumerate(system.dofs) if d in turbine.dofs]
+    at = np.array([mean.offset[system.dofs.index(d)] if d in system.dofs else turbine.point[k] for k, d in enumerate(turbine.dofs)])
+    load = turbine.force - turbine.stiffness @ (at - turbine.point)
+    matrices = []
+    for matrix in (turbine.stiffness, turbine.damping, turbine.mass):
+        rows = np.zeros((6, q))
+        rows[:, to] = -matrix[:6][:, take]
+        matrices.append(rows)
+    wind = turbine.wind_force[:6].copy()
+    weight, base = -load[2], structure.tower.base_height
+    angles = to_platform(system, mean.offset)[3:]
+    turn = np.zeros((2, q))  # shear along the section's own axes: + weight times rotation
+    for k, (axis, sign) in enumerate((("pitch", 1.0), ("roll", -1.0))):
+        if axis in system.dofs:
+            turn[k, system.dofs.index(axis)] = sign * weight
+    shear = [[m[0], m[1]] for m in matrices]
+    shear[0] = [shear[0][0] + turn[0], shear[0][1] + turn[1]]
+    moment = [[m[4] - base * s[0], m[3] + base * s[1]] for m, s in zip(matrices, shear, strict=True)]
+    level_x, level_y = load[0] + weight * angles[1], load[1] - weight * angles[0]
+    gust = [wind[0], wind[1], wind[4] - base * wind[0], wind[3] + base * wind[1]]
+    level = [level_x, level_y, load[4] - base * level_x, load[3] + base * level_y]
+    rows = [[list(r) for r in (*shear[k], *moment[k])] for k in range(3)]
+    return ["TwrBsFxt", "TwrBsFyt", "TwrBsMyt", "TwrBsMxt"], ["N", "N", "N m", "N m"], *rows, gust, level
+
+
+def _tensions(system: System, mean: Equilibrium) -> tuple[list, ...]:
+    state, q = mean.mooring, len(system.dofs)
+    lines = state.fairlead_tension.shape[-1]
+    gradient = np.zeros((lines, q))
+    for k, dof in enumerate(PLATFORM_DOFS):
+        if dof in system.dofs:
+            gradient[:, system.dofs.index(dof)] = state.tension_gradient[:, k]
+    names = [f"T[{k + 1}]" for k in range(lines)]
+    level = [float(t) for t in state.fairlead_tension]
+    return names, ["N"] * lines, [list(r) for r in gradient], _blank(lines, q), _blank(lines, q), [0.0] * lines, level

@@ -1,0 +1,160 @@
+"""The turbine's matrices recovered from linearisation records: mass from the load inputs, second-order form, azimuth average."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.conventions import PLATFORM_DOFS, freeze, rotation
+from model.system.linearisation import Linearisation
+
+PLATFORM_LOADS = tuple(f"ED Platform {axis} {kind}, node 1" for kind in ("force", "moment") for axis in "XYZ")
+WIND_INPUTS = ("IfW Extended input: horizontal wind speed", "AD Extended input: horizontal wind speed")
+ROTATION_STEP = np.radians(2.0)  # ElastoDyn's perturbation of the platform's rotations
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SecondOrder:
+    """M q'' + B q' + C q = F + wind_force u of one linearisation: everything that the linearised code held.
+
+    dofs (q) names; mass, damping, stiffness (q, q); wind_force (q) per m/s; point (q) the operating point;
+    mass_source says where the mass matrix came from.
+    """
+
+    dofs: tuple[str, ...]
+    mass: np.ndarray
+    damping: np.ndarray
+    stiffness: np.ndarray
+    wind_force: np.ndarray
+    point: np.ndarray
+    wind_speed: float
+    rotor_speed: float
+    mass_source: str
+
+    def __post_init__(self):
+        q = len(self.dofs)
+        freeze(self, mass=(q, q), damping=(q, q), stiffness=(q, q), wind_force=(q,), point=(q,))
+
+
+def has_load_inputs(record: Linearisation) -> bool:
+    """Tell whether the record has ElastoDyn's platform load inputs, from which the mass matrix follows."""
+    return all(_column(record, name) is not None for name in PLATFORM_LOADS)
+
+
+def inverse_mass(record: Linearisation, tower_top: float) -> np.ndarray:
+    """Return the inverse mass matrix (q, q) of a record in the order of its degrees of freedom.
+
+    A unit load on the platform accelerates the degrees of freedom by a column of the inverse mass matrix; the column of
+    a tower's first mode is that of a force on the tower top at height tower_top [m] less what it does to the platform.
+    Raises ValueError when the record lacks the load inputs.
+    """
+    if not has_load_inputs(record):
+        raise ValueError(
+            f"{record.source} has no platform load inputs, so its mass matrix cannot be recovered; "
+            "linearise with LinInputs = 2, or name the deck that made it so that the mass comes from there"
+        )
+    dofs, rates = _dofs(record)
+    loads = np.stack([record.B[rates, _column(record, name)] for name in PLATFORM_LOADS], axis=1)
+    out = np.zeros((len(dofs), len(dofs)))
+    for k, dof in enumerate(dofs):
+        if dof in PLATFORM_DOFS:
+            out[:, k] = loads[:, PLATFORM_DOFS.index(dof)]
+        elif dof in ("tower_fa1", "tower_ss1"):
+            axis, moment, sign = ("X", 4, 1.0) if dof == "tower_fa1" else ("Y", 3, -1.0)
+            column = _column(record, f"ED Nacelle {axis} force, node 1")
+            if column is None:
+                raise ValueError(f"{record.source} has no nacelle load inputs; linearise with LinInputs = 2")
+            force = PLATFORM_DOFS.index("surge" if axis == "X" else "sway")
+            out[:, k] = record.B[rates, column] - loads[:, force] - sign * tower_top * loads[:, moment]
+        else:
+            raise ValueError(f"{record.source}: the mass matrix of degree of freedom {dof} cannot be recovered from loads")
+    return out
+
+
+def second_order(records: list[Linearisation], tower_top: float, mass: np.ndarray | None = None) -> SecondOrder:
+    """Return the azimuth-averaged second-order form of the records of one operating point.
+
+    records at equally spaced azimuths, all with the same states, none rotating; tower_top [m]; mass (q, q) in the
+    order of the records' degrees of freedom, None to recover it from the load inputs. Raises ValueError.
+    """
+    first = records[0]
+    for other in records[1:]:
+        if other.state_names != first.state_names:
+            raise ValueError(f"{other.source} has other states than {first.source}; average files of one run only")
+    dofs, rates = _dofs(first)
+    source = "given"
+    if mass is None:
+        recovered = [np.linalg.inv(inverse_mass(r, tower_top)) for r in records]
+        mass = np.mean([(m + m.T) / 2 for m in recovered], axis=0)
+        source = "load inputs of the linearisation"
+    places = [first.state_dof.index(dof) for dof in dofs]
+    stiffness = -mass @ np.mean([r.A[np.ix_(rates, places)] for r in records], axis=0)
+    damping = -mass @ np.mean([r.A[np.ix_(rates, rates)] for r in records], axis=0)
+    wind = np.zeros(len(dofs))
+    column = next((c for c in (_column(first, name) for name in WIND_INPUTS) if c is not None), None)
+    if column is not None:
+        wind = mass @ np.mean([r.B[rates, column] for r in records], axis=0)
+    return SecondOrder(
+        dofs=dofs, mass=mass, damping=damping, stiffness=stiffness, wind_force=wind,
+        point=np.mean([r.state_point[places] for r in records], axis=0),
+        wind_speed=float(np.mean([r.wind_speed for r in records])),
+        rotor_speed=float(np.mean([r.rotor_speed for r in records])), mass_source=source,
+    )  # fmt: skip
+
+
+def perturbation_error(structural_mass: np.ndarray, dofs: tuple[str, ...], gravity: float) -> np.ndarray:
+    """Return the part (q, q) of a linearised stiffness that ElastoDyn's finite rotation step adds to gravity's.
+
+    ElastoDyn turns the platform by +-2 degrees and differences the accelerations. Between the two the mass matrix turns with
+    the platform, so the difference quotient of M(t)^-1 f(t) is not the derivative; with uniform gravity a0 the
+    acceleration is a0 - M(t)^-1 M(0) a0, which needs the structural mass (q, q) alone (without added mass).
+    """
+    q = len(dofs)
+    fall = np.array([-gravity if dof == "heave" else 0.0 for dof in dofs])
+    weight = structural_mass @ fall
+    out = np.zeros((q, q))
+    for k, axis in enumerate(("roll", "pitch", "yaw")):
+        if axis not in dofs:
+            continue
+        j = dofs.index(axis)
+        direction = np.eye(3)[k]
+
+        def turned(angle, direction=direction):
+            t = _turn(dofs, rotation(direction * angle))
+            return fall - t @ np.linalg.solve(structural_mass, t.T @ weight)
+
+        angle, small = np.arctan(ROTATION_STEP), 1e-5
+        coarse = (turned(angle) - turned(-angle)) / (2 * ROTATION_STEP)
+        exact = (turned(small) - turned(-small)) / (2 * small)
+        out[:, j] = -structural_mass @ (coarse - exact)
+    return out
+
+
+def _turn(dofs: tuple[str, ...], matrix: np.ndarray) -> np.ndarray:
+    """Return the transformation of the degrees of freedom that turns the platform's and leaves the modes."""
+    out = np.eye(len(dofs))
+    for group in (PLATFORM_DOFS[:3], PLATFORM_DOFS[3:]):
+        for i, a in enumerate(group):
+            for j, b in enumerate(group):
+                if a in dofs and b in dofs:
+                    out[dofs.index(a), dofs.index(b)] = matrix[i, j]
+    return out
+
+
+def _dofs(record: Linearisation) -> tuple[tuple[str, ...], list[int]]:
+    """Return the record's degrees of freedom in order and the rows of their velocities; raise ValueError."""
+    rotating = [n for n, r in zip(record.state_dof, record.state_rotating, strict=True) if r]
+    if rotating:
+        raise ValueError(f"{record.source} has rotating states ({rotating[0]}); transform them first")
+    dofs = tuple(d for d, rate in zip(record.state_dof, record.state_rate, strict=True) if d and not rate)
+    rows = {d: i for i, (d, rate) in enumerate(zip(record.state_dof, record.state_rate, strict=True)) if d and rate}
+    missing = [d for d in dofs if d not in rows]
+    if missing or not dofs:
+        raise ValueError(f"{record.source} lacks the velocity state of {missing[0] if missing else 'every degree of freedom'}")
+    return dofs, [rows[d] for d in dofs]
+
+
+def _column(record: Linearisation, name: str) -> int | None:
+    """Return the index of the input whose description begins with name."""
+    return next((i for i, n in enumerate(record.input_names) if n.startswith(name)), None)
