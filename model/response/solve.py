@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.conventions import PLATFORM_DOFS, freeze
-from model.environment.sea import SeaState, directional_spectrum, wave_kinematics, wavenumber
+from model.environment.sea import SeaState, directional_spectrum, wave_kinematics, wave_spectrum, wavenumber
 from model.environment.wind import WindState, inflow_spectrum
 from model.response.assemble import Equilibrium, System
 from model.system.drag import borgman_coefficients, element_motion, linear_drag, resisted_directions
-from model.system.hydro import HydroOnGrid, excitation_at, radiation_at
+from model.system.hydro import excitation_at, radiation_at
 
 DRAG_MODELS = ("relative", "body", "none")
 
@@ -68,8 +68,6 @@ def excitation(omega, seas: SeaState | Sequence[SeaState], wind: WindState | Non
         headings = np.linspace(-np.pi, np.pi, 24, endpoint=False) if spread else sorted({s.heading for s in seas})
     headings = np.asarray(headings, dtype=float)
     if len(seas) == 1 and len(headings) == 1:
-        from model.environment.sea import wave_spectrum
-
         waves = wave_spectrum(seas[0], omega)[None]
     else:
         waves = directional_spectrum(seas, omega, headings)
@@ -77,11 +75,38 @@ def excitation(omega, seas: SeaState | Sequence[SeaState], wind: WindState | Non
     return Excitation(omega=omega, heading=headings, wave_spectrum=waves, wind_spectrum=gusts)
 
 
-def hydro_on_grid(system: System, omega, heading, *, low_frequency: str = "hold") -> HydroOnGrid:
-    """Return the coefficients on a frequency grid (n) and headings (m), to be reused by many solutions."""
-    added, damping = radiation_at(system.hydro, omega)
-    force = excitation_at(system.hydro, omega, heading, low_frequency=low_frequency)
-    return HydroOnGrid(omega=np.asarray(omega), added_mass=added, radiation_damping=damping, excitation=force)
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Grid:
+    """What depends on the frequencies and headings alone, to be reused by many solutions of one hull.
+
+    omega (n), heading (m); added_mass, radiation_damping (n, 6, 6); wave_force (m, n, 6) per metre of amplitude;
+    directions (s, 2, 3) that the drag elements resist, water (m, 2 s, n) the water's velocity along them per metre.
+    """
+
+    omega: np.ndarray
+    heading: np.ndarray
+    added_mass: np.ndarray
+    radiation_damping: np.ndarray
+    wave_force: np.ndarray
+    directions: np.ndarray
+    water: np.ndarray
+
+
+def prepare(system: System, omega, heading, *, low_frequency: str = "hold") -> Grid:
+    """Return coefficients and water kinematics on frequencies omega (n) [rad/s] and headings (m) [rad].
+
+    low_frequency as in `excitation_at`. Raises ValueError for a heading outside the data.
+    """
+    hydro, omega, heading = system.hydro, np.asarray(omega, dtype=float), np.asarray(heading, dtype=float)
+    added, damping = radiation_at(hydro, omega)
+    directions = resisted_directions(system.drag)
+    k = wavenumber(omega, hydro.depth, hydro.gravity)
+    field = wave_kinematics(omega, k, hydro.depth, system.drag.position, heading[:, None]).velocity
+    water = np.einsum("sak,msnk->msan", directions, field).reshape(len(heading), -1, len(omega))
+    return Grid(
+        omega=omega, heading=heading, added_mass=added, radiation_damping=damping, directions=directions, water=water,
+        wave_force=excitation_at(hydro, omega, heading, low_frequency=low_frequency),
+    )  # fmt: skip
 
 
 def solve(
@@ -89,9 +114,8 @@ def solve(
     mean: Equilibrium,
     drive: Excitation,
     *,
-    grid: HydroOnGrid | None = None,
+    grid: Grid | None = None,
     drag: str = "relative",
-    low_frequency: str = "hold",
     tolerance: float = 1e-3,
     limit: int = 40,
 ) -> Response:
@@ -99,20 +123,21 @@ def solve(
 
     Drag is linearised for the Gaussian relative velocity between water and body ("relative"), the body's own
     velocity ("body", as the source thesis), or left out ("none"), and iterated until no element's coefficient changes
-    by more than `tolerance` of the largest. grid is reused when given. Raises ValueError for an unknown drag model.
+    by more than `tolerance` of the largest. grid comes from `prepare`, with default settings when it is not given.
+    Raises ValueError for an unknown drag model.
     """
     if drag not in DRAG_MODELS:
         raise ValueError(f"drag model {drag!r} is none of {', '.join(DRAG_MODELS)}")
     omega = drive.omega
-    grid = grid or hydro_on_grid(system, omega, drive.heading, low_frequency=low_frequency)
+    grid = grid or prepare(system, omega, drive.heading)
     here = system.platform
     rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
     dynamic = _dynamic_stiffness(system, mean, grid, here, rows)
     m, n, q = len(drive.heading), len(omega), len(system.dofs)
     force = np.zeros((n, q, m + 1), dtype=complex)
-    force[:, here, :m] = np.moveaxis(grid.excitation[..., rows], 0, -1)
+    force[:, here, :m] = np.moveaxis(grid.wave_force[..., rows], 0, -1)
     force[:, :, m] = system.wind_force
-    linear = _Drag(system, drive, mean, drag, here, rows)
+    linear = _Drag(system, drive, grid, drag, here, rows)
     damping, iterations, converged = np.zeros((6, 6)), 0, True
     solution = None
     if linear.active:
@@ -137,7 +162,7 @@ def solve(
     )  # fmt: skip
 
 
-def _dynamic_stiffness(system: System, mean: Equilibrium, grid: HydroOnGrid, here, rows) -> np.ndarray:
+def _dynamic_stiffness(system: System, mean: Equilibrium, grid: Grid, here, rows) -> np.ndarray:
     """Return -omega^2 (M + A) + i omega (B0 + B) + C (n, q, q), without drag."""
     w = grid.omega[:, None, None]
     out = (mean.stiffness - w**2 * system.mass) + 1j * (w * system.damping)
@@ -159,52 +184,40 @@ def _solve(dynamic, damping, force, wave_force, omega, here, rows) -> np.ndarray
 class _Drag:
     """The drag iteration of one solution: the elements' kinematics once, their covariances at every step."""
 
-    def __init__(self, system: System, drive: Excitation, mean: Equilibrium, model: str, here, rows):
+    def __init__(self, system: System, drive: Excitation, grid: Grid, model: str, here, rows):
         self.members, self.model = system.drag, model
         self.quadratic = system.quadratic_damping
-        self.active = model != "none" and (len(system.drag) > 0 or np.any(self.quadratic))
+        self.active = model != "none" and (len(system.drag) > 0 or bool(np.any(self.quadratic)))
         self.omega, self.here, self.rows = drive.omega, here, rows
         if not self.active:
             return
-        directions = resisted_directions(self.members)
-        self.motion = element_motion(self.members, directions)
-        s = len(self.members)
-        self.flat = self.motion.reshape(2 * s, 6)[:, rows]
-        self.water = self._water_velocity(system, drive, directions)
+        self.motion = element_motion(self.members, grid.directions)
+        self.flat = self.motion.reshape(2 * len(self.members), 6)[:, rows]
+        self.water = np.zeros_like(grid.water) if model == "body" else grid.water
         step = _weights(drive.omega)
         self.wave_weight = drive.wave_spectrum * step
         self.wind_weight = drive.wind_spectrum * step
         self.history: list = []
 
-    def _water_velocity(self, system: System, drive: Excitation, directions: np.ndarray) -> np.ndarray:
-        """Return the water's velocity along the resisted directions (m, 2 s, n) per metre of wave amplitude."""
-        if self.model == "body":
-            return np.zeros((len(drive.heading), 2 * len(self.members), len(drive.omega)), dtype=complex)
-        hydro = system.hydro
-        k = wavenumber(drive.omega, hydro.depth, hydro.gravity)
-        field = wave_kinematics(drive.omega, k, hydro.depth, self.members.position, drive.heading[:, None]).velocity
-        return np.einsum("sak,msnk->msan", directions, field).reshape(len(drive.heading), -1, len(drive.omega))
-
     def start(self, dynamic, force) -> np.ndarray:
-        """Return first coefficients: the water's velocity with the body at rest, plus a small motion of its own."""
-        covariance = self._covariance(self.water, np.zeros((2 * len(self.members), len(self.omega)), dtype=complex))
-        trace = np.trace(covariance, axis1=-2, axis2=-1).max() if len(covariance) else 0.0
-        if trace == 0.0:
-            solution = np.linalg.solve(dynamic, force)
-            return self.coefficients(solution)
-        self.own = np.zeros(6)
-        return self._pack(borgman_coefficients(covariance), np.zeros(6))
+        """Return first coefficients: those of the water's velocity with the body at rest, or of undamped motions without waves."""
+        if not np.any(self.wave_weight) or not np.any(self.water):
+            return self.coefficients(np.linalg.solve(dynamic, force))
+        covariance = sum(self._covariance(u, w) for u, w in zip(self.water, self.wave_weight, strict=True))
+        return np.concatenate([borgman_coefficients(covariance).ravel(), np.zeros(6)])
 
     def coefficients(self, solution: np.ndarray) -> np.ndarray:
         """Return the linear coefficients for the motions of a solution (n, q, m + 1)."""
-        rate = np.ascontiguousarray(np.moveaxis(solution[:, self.here], 0, -1)) * (1j * self.omega)
-        m = rate.shape[1] - 1
-        body = [self.flat @ rate[:, k] for k in range(m + 1)]
-        covariance = self._covariance(self.water - np.stack(body[:m]), body[m])
-        variance = sum(np.abs(rate[:, k]) ** 2 @ self.wave_weight[k] for k in range(m)) + np.abs(rate[:, m]) ** 2 @ self.wind_weight
+        rate = np.ascontiguousarray(solution[:, self.here].T) * (1j * self.omega)
+        covariance, variance = np.zeros((len(self.members), 2, 2)), np.zeros(len(self.rows))
+        drivers = [(rate[k], self.water[k], weight) for k, weight in enumerate(self.wave_weight)]
+        drivers += [(rate[-1], 0.0, self.wind_weight)] if np.any(self.wind_weight) else []
+        for motion, water, weight in drivers:
+            covariance += self._covariance(water - self.flat @ motion, weight)
+            variance += (motion.real**2 + motion.imag**2) @ weight
         own = np.zeros(6)
         own[self.rows] = np.sqrt(8 / np.pi * variance)
-        return self._pack(borgman_coefficients(covariance), own)
+        return np.concatenate([borgman_coefficients(covariance).ravel(), own])
 
     def evaluate(self, packed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the drag damping (6, 6) and the waves' drag force (m, 6, n) of packed coefficients."""
@@ -228,26 +241,12 @@ class _Drag:
         mix = float(np.clip((f1 @ df) / size, -0.9, 0.9)) if size > 0 else 0.0
         return g1 - mix * (g1 - g0)
 
-    def _covariance(self, relative: np.ndarray, windy: np.ndarray) -> np.ndarray:
-        """Return the covariances (s, 2, 2) of relative velocities (m, 2 s, n) in waves and (2 s, n) in wind."""
-        s = len(self.members)
-        out = np.zeros((s, 2, 2))
-        pairs = [(relative[k], self.wave_weight[k]) for k in range(len(relative))]
-        if np.any(self.wind_weight):
-            pairs.append((windy, self.wind_weight))
-        for velocity, weight in pairs:
-            v = velocity.reshape(s, 2, -1)
-            square = (v.real**2 + v.imag**2) @ weight
-            cross = (v[:, 0].real * v[:, 1].real + v[:, 0].imag * v[:, 1].imag) @ weight
-            out[:, 0, 0] += square[:, 0]
-            out[:, 1, 1] += square[:, 1]
-            out[:, 0, 1] += cross
-            out[:, 1, 0] += cross
-        return out
-
-    @staticmethod
-    def _pack(b: np.ndarray, own: np.ndarray) -> np.ndarray:
-        return np.concatenate([b.ravel(), own])
+    def _covariance(self, velocity: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        """Return the covariances (s, 2, 2) of velocities (2 s, n) per unit of a spectrum with weights (n)."""
+        v = velocity.reshape(len(self.members), 2, -1)
+        square = (v.real**2 + v.imag**2) @ weight
+        cross = (v[:, 0].real * v[:, 1].real + v[:, 0].imag * v[:, 1].imag) @ weight
+        return np.stack([square[:, 0], cross, cross, square[:, 1]], axis=-1).reshape(-1, 2, 2)
 
 
 def _weights(omega: np.ndarray) -> np.ndarray:

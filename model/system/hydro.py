@@ -46,16 +46,6 @@ class HydroCoefficients:
                 raise ValueError(f"{name} must ascend without repetition")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class HydroOnGrid:
-    """Coefficients on the frequencies of a solution: added_mass, radiation_damping (n, 6, 6), excitation (..., n, 6)."""
-
-    omega: np.ndarray
-    added_mass: np.ndarray
-    radiation_damping: np.ndarray
-    excitation: np.ndarray
-
-
 def infinite_added_mass(hydro: HydroCoefficients) -> np.ndarray:
     """Return the infinite-frequency added mass (6, 6), that of the highest frequency where the data lack it."""
     return hydro.added_mass[-1] if hydro.added_mass_infinite is None else hydro.added_mass_infinite
