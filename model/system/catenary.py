@@ -92,7 +92,7 @@ def catenary(
     Parameters: horizontal and vertical distance from anchor to fairlead [m]; unstretched length [m]; submerged
     weight per length [N/m], negative for a buoyant line, zero for a neutral one; axial stiffness EA [N]; seabed
     friction coefficient [-]; clearance of the lower end above the seabed [m], zero if it lies on the seabed, inf
-    for no seabed; start, (horizontal, vertical) fairlead force to start from [N]; names of the lines along the
+    for no seabed; start, the LineState of lines of the same shape nearby to start from; names of the lines along the
     last axis, for messages. All arrays broadcast to one shape (...).
 
     Returns the LineState. A line longer than its way along the seabed and up to the fairlead has H = 0. The lower end
@@ -160,14 +160,21 @@ def solve_lines(x, z, length, w, ea, cb, clear, start=None) -> LineState:
     e, cb, clear = scale / ea, np.where(light, 0.0, cb), np.where(light, np.inf, clear) / length
     x, z = x / length, np.abs(z) / length
     if start is not None:
-        start = start[0] / scale, np.abs(start[1]) / scale
-    h, v, below, flexibility = _solve(x, z, e, cb, clear <= NOTHING, None if np.any(turned) else start)
+        start = _started(start, scale, turned)
+    h, v, below, flexibility = _solve(x, z, e, cb, clear <= NOTHING, start)
     state = _upper_and_lower(x, h, v, below, flexibility, cb)
     touching = (clear > NOTHING) & (v < 1) & (_sag(h, v - 1, e) > clear)
     extra = None
     if touching.any():
         state, extra = _merge_touching(touching, state, x, z, e, clear)
     return _assemble(state, extra, scale, length, w, weight, light, turned)
+
+
+def _started(start, scale, turned):
+    """Return (h, v) at the upper end from the LineState of lines nearby."""
+    h = np.where(turned, start.anchor_horizontal, start.horizontal)
+    v = np.abs(np.where(turned, start.anchor_vertical, start.vertical))
+    return np.maximum(h / scale, 1e-9), np.maximum(v / scale, 1e-9)
 
 
 def effective_weight(weight, length, stiffness) -> np.ndarray:
@@ -264,7 +271,7 @@ def _sag(h, v, e):
 
 def _solve(x, z, e, cb, seabed, start):
     """Return h, v, whether the lower end lies on the seabed with v < 1, and the flexibility (fxx, fxz, fzx, fzz)."""
-    h, v = _start(x, z, e) if start is None else (np.maximum(start[0], 1e-9), np.maximum(start[1], 1e-9))
+    h, v = _start(x, z, e, seabed) if start is None else start
     closed, h, v = _closed_forms(x, z, e, cb, seabed, h, v)
     h, v, bad = _newton(h, v, x, z, e, cb, seabed, closed, 40)
     if bad.any():
@@ -277,8 +284,8 @@ def _solve(x, z, e, cb, seabed, start):
     return h, v, seabed & (v < 1), flexibility
 
 
-def _start(x, z, e):
-    """Return Jonkman's starting values, and Irvine's for lines close to straight."""
+def _start(x, z, e, seabed):
+    """Return Jonkman's starting values, Irvine's for lines close to straight; v to match z with seabed contact."""
     ratio = 3 * ((1 - z * z) / np.maximum(x, NOTHING) ** 2 - 1)
     root = np.sqrt(np.maximum(ratio, 0.04))
     h, v = 0.5 * x / root, 0.5 * (z / np.tanh(root) + 1)
@@ -288,7 +295,9 @@ def _start(x, z, e):
         chord = np.where(chord > 0, chord, 1.0)
         t = _taut_tension(chord - 1, x / chord, e)
         h, v = np.where(taut, t * x / chord, h), np.where(taut, t * z / chord + 0.5, v)
-    return np.maximum(h, TINY), v
+    h = np.maximum(h, TINY)
+    resting = z * (z + 2 * h)
+    return h, np.where(seabed & (resting < 1), np.sqrt(resting), v)
 
 
 def _taut_tension(stretch, cosine, e):
@@ -345,9 +354,12 @@ def _newton(h, v, x, z, e, cb, seabed, closed, count):
         bad = ~((np.abs(dh) <= STEP * h) & (np.abs(dv) <= STEP * v))
         if some:
             dh, dv, bad = np.where(closed, 0.0, dh), np.where(closed, 0.0, dv), bad & ~closed
-        h, v = np.maximum(h + dh, 0.1 * h), np.maximum(v + dv, 0.1 * v)
+        short = dh < -0.9 * h
+        h, v = np.where(short, 0.1 * h, h + dh), np.maximum(v + dv, 0.1 * v)
         if not bad.any():
             break
+        if short.any():  # back to where z is right, on the seabed; elsewhere v may stay
+            v = np.where(short & seabed, np.minimum(np.sqrt(z * (z + 2 * h)), np.maximum(v, 1.0)), v)
     return h, v, bad
 
 

@@ -34,7 +34,9 @@ class Contribution:
         freeze(self, mass=(q, q), damping=(q, q), stiffness=(q, q), force=(q,), point=(q,))
 
 
-def contribution(name: str, source: str, *, mass=None, damping=None, stiffness=None, force=None, point=None) -> Contribution:
+def contribution(
+    name: str, source: str, *, mass=None, damping=None, stiffness=None, force=None, point=None
+) -> Contribution:
     """Return a contribution in the six platform motions; what is not given is zero."""
     square, line = np.zeros((6, 6)), np.zeros(6)
     return Contribution(

@@ -135,7 +135,9 @@ def _at_heading(hydro: HydroCoefficients, heading: np.ndarray) -> np.ndarray:
             "compute the coefficients for that heading"
         )
     grid = _full_turn(hydro)
-    values = hydro.excitation if len(grid) == len(hydro.heading) else np.concatenate([hydro.excitation] * 2)[: len(grid)]
+    values = (
+        hydro.excitation if len(grid) == len(hydro.heading) else np.concatenate([hydro.excitation] * 2)[: len(grid)]
+    )
     if len(grid) == 1:
         return np.broadcast_to(values[0], heading.shape + values.shape[1:])
     index, weight = _bracket(grid, np.clip(_wrap(heading, grid[0]), grid[0], grid[-1]))

@@ -68,7 +68,9 @@ def inverse_mass(record: Linearisation, tower_top: float) -> np.ndarray:
             force = PLATFORM_DOFS.index("surge" if axis == "X" else "sway")
             out[:, k] = record.B[rates, column] - loads[:, force] - sign * tower_top * loads[:, moment]
         else:
-            raise ValueError(f"{record.source}: the mass matrix of degree of freedom {dof} cannot be recovered from loads")
+            raise ValueError(
+                f"{record.source}: the mass matrix of degree of freedom {dof} cannot be recovered from loads"
+            )
     return out
 
 
@@ -151,7 +153,9 @@ def _dofs(record: Linearisation) -> tuple[tuple[str, ...], list[int]]:
     rows = {d: i for i, (d, rate) in enumerate(zip(record.state_dof, record.state_rate, strict=True)) if d and rate}
     missing = [d for d in dofs if d not in rows]
     if missing or not dofs:
-        raise ValueError(f"{record.source} lacks the velocity state of {missing[0] if missing else 'every degree of freedom'}")
+        raise ValueError(
+            f"{record.source} lacks the velocity state of {missing[0] if missing else 'every degree of freedom'}"
+        )
     return dofs, [rows[d] for d in dofs]
 
 

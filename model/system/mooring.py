@@ -15,10 +15,12 @@ from functools import cached_property
 import numpy as np
 
 from model.conventions import frozen, rotation, rotation_rate, skew
-from model.system.catenary import check_lines, solve_lines
+from model.system.catenary import check_lines, line_profile, solve_lines
 
 POINT_KINDS = ("fixed", "vessel", "connect")
-SEABED_TOLERANCE = 0.01  # [m] a point this close to the seabed lies on it
+SEABED_TOLERANCE = 0.01  # [m] a fixed or vessel point this close to the seabed lies on it
+SETTLE_STEPS = 400
+_ROTATIONS = np.array([0.0, 0, 0, 1, 1, 1])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -91,11 +93,18 @@ class MooringSystem:
 
     @cached_property
     def _index(self) -> dict[str, np.ndarray]:
-        """Points of each kind, and the matrices (p, l) that add line ends to points."""
+        """Points of each kind, their seabed tolerance, and the matrices (p, l) that add line ends to points."""
         kind = np.array(self.point_kind, dtype=object)
         out = {name: np.flatnonzero(kind == name) for name in POINT_KINDS}
         eye = np.eye(len(kind))
-        return out | {"to_a": eye[:, self.end_a], "to_b": eye[:, self.end_b]}
+        tolerance = np.where(kind == "connect", 0.0, SEABED_TOLERANCE)
+        return out | {"to_a": eye[:, self.end_a], "to_b": eye[:, self.end_b], "tolerance": tolerance}
+
+    @cached_property
+    def _seat(self) -> float:
+        """Stiffness [N/m] of the seabed under connect points; lines do not feel how far these sink in."""
+        weight = np.abs(self.weight_per_length * self.length).sum(axis=-1).max() + np.abs(self.point_load).sum()
+        return float(weight) or 1.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -133,12 +142,15 @@ class MooringState:
         return np.arctan2(self.anchor_vertical, self.anchor_horizontal)
 
 
-def mooring_state(system: MooringSystem, offset) -> MooringState:
+def mooring_state(system: MooringSystem, offset, start=None) -> MooringState:
     """Return forces, tensions, stiffness and tension gradients of a mooring system at platform offsets.
 
-    Parameters: system; offset (..., 6), surge, sway, heave [m] and rotation vector [rad].
+    Connect points are brought to equilibrium first, and their freedom is in the stiffness and the gradients.
+
+    Parameters: system; offset (..., 6), surge, sway, heave [m] and rotation vector [rad]; start (..., p, 3), point
+    positions to look for the equilibrium of connect points from, e.g. those of a state nearby (default: the system's).
     Returns the MooringState, with the leading axes of offset and design broadcast together.
-    Raises ValueError naming the lines that cannot reach.
+    Raises ValueError naming the lines that cannot reach, or the connect points without equilibrium.
 
     Source: the lines after Jonkman (2007), NREL/TP-500-41958, section 2.7; assembly from the point kinematics.
     """
@@ -147,11 +159,43 @@ def mooring_state(system: MooringSystem, offset) -> MooringState:
         raise ValueError(f"offset has shape {offset.shape}, needs (..., 6): surge, sway, heave and a rotation vector")
     batch = np.broadcast_shapes(offset.shape[:-1], system._designs)
     arm, motion = _vessel_points(system, offset)
-    position = _positions(system, offset, arm, batch)
+    position = _positions(system, offset, arm, batch, start)
+    seated = None
+    if system._index["connect"].size:
+        position, seated = _settle(system, position)
     lines, basis, span = _lines(system, position)
     _check_reach(system, span)
-    rate = _point_rates(system, position, motion)
-    return _assemble(system, offset, arm, position, lines, basis, rate)
+    rate = _point_rates(system, position, motion, seated)
+    return _assemble(system, offset, arm, position, lines, basis, rate, seated)
+
+
+def force_offset_curve(system: MooringSystem, direction, offsets) -> tuple[np.ndarray, MooringState]:
+    """Return the restoring force of a mooring system as the platform is moved along one direction.
+
+    Parameters: system; direction, a heading [rad] in the water plane or six platform coordinates, taken as they are;
+    offsets (...) along it [m], broadcast with the designs.
+    Returns the restoring force (...) [N], positive against a positive offset, and the MooringState of all offsets.
+    Raises ValueError as `mooring_state`.
+    """
+    way = np.asarray(direction, dtype=float)
+    if way.ndim == 0:
+        way = np.array([np.cos(way), np.sin(way), 0, 0, 0, 0])
+    if way.shape != (6,):
+        raise ValueError(f"direction has shape {way.shape}, needs a heading [rad] or six platform coordinates")
+    state = mooring_state(system, np.asarray(offsets, dtype=float)[..., None] * way)
+    return -state.force @ way, state
+
+
+def line_profiles(system: MooringSystem, state: MooringState, n: int = 101) -> tuple[np.ndarray, np.ndarray]:
+    """Return shape and tension along all lines at n points, equally spaced in unstretched length from end a.
+
+    Parameters: system; state of it; n points a line.
+    Returns coordinates (..., l, n, 3) [m] and tension (..., l, n) [N].
+    """
+    lines, basis, span = _lines(system, state.point_position)
+    x, z, tension = line_profile(lines, *span, system.length, system.axial_stiffness, system.seabed_friction, n)
+    origin = state.point_position[..., system.end_a, :][..., None, :]
+    return origin + x[..., None] * basis[..., None, :, 0] + z[..., None] * basis[..., None, :, 1], tension
 
 
 def _check_system(system: MooringSystem) -> None:
@@ -191,18 +235,117 @@ def _vessel_points(system, offset):
     return arm, motion
 
 
-def _positions(system, offset, arm, batch):
-    """Return the positions of all points (..., p, 3)."""
+def _positions(system, offset, arm, batch, start):
+    """Return the positions of all points (..., p, 3), of connect points those to start from."""
     position = np.array(np.broadcast_to(system.position, batch + system.position.shape[-2:]))
     position[..., system._index["vessel"], :] = offset[..., None, :3] + arm
+    if start is not None:
+        free = system._index["connect"]
+        position[..., free, :] = np.asarray(start)[..., free, :]
     return position
 
 
-def _point_rates(system, position, motion):
-    """Return d(position) / d(coordinates) of all points (..., p, 3, 6)."""
-    rate = np.zeros(position.shape + (6,))
-    rate[..., system._index["vessel"], :, :] = motion
+def _point_rates(system, position, motion, seated):
+    """Return d(position) / d(platform coordinates, free coordinates) of all points (..., p, 3, 6 + 3c)."""
+    free = system._index["connect"]
+    rate = np.zeros(position.shape + (6 + 3 * free.size,))
+    rate[..., system._index["vessel"], :, :6] = motion
+    if free.size:
+        rate[..., 6:] = _free_rates(system, seated)
     return rate
+
+
+def _free_rates(system, seated):
+    """Return d(position) / d(free coordinates) (..., p, 3, 3c); points that lie on the seabed stay on it."""
+    free = system._index["connect"]
+    rate = np.zeros(seated.shape[:-1] + (len(system.point_names), 3, free.size, 3))
+    for i, point in enumerate(free):
+        rate[..., point, [0, 1, 2], i, [0, 1, 2]] = 1.0
+        rate[..., point, 2, i, 2] = np.where(seated[..., i], 0.0, 1.0)
+    return rate.reshape(rate.shape[:-2] + (-1,))
+
+
+# --- connect points -------------------------------------------------------------------------------------------------
+
+
+def _settle(system, position):
+    """Return the positions with all connect points in equilibrium, and which of these (..., c) lie on the seabed.
+
+    The energy of lines, weights and seabed is convex in the free coordinates (friction aside, which is weak), so
+    Newton steps always get there if they stop short of going uphill: a step that does is cut by the secant rule.
+    """
+    free = system._index["connect"]
+    position = np.array(position)
+    longest = system.length.max()
+    force, stiffness, scale, lines = _balance(system, position)
+    part, moving = np.ones(force.shape[:-1]), np.ones(force.shape[:-1], dtype=bool)
+    for _ in range(SETTLE_STEPS):
+        step = part[..., None] * _newton_step(force, stiffness, 0.3 * longest)
+        trial = np.array(position)
+        trial[..., free, :] += step.reshape(step.shape[:-1] + (-1, 3))
+        near = lines if np.abs(step).max() < 0.01 * longest else None
+        new_force, new_stiffness, new_scale, lines = _balance(system, trial, near)
+        before, after = (force * step).sum(-1), (new_force * step).sum(-1)
+        good = moving & ((after >= -0.3 * before) | (_size(new_force) < _size(force)))
+        position = np.where(good[..., None, None], trial, position)
+        force = np.where(good[..., None], new_force, force)
+        stiffness = np.where(good[..., None, None], new_stiffness, stiffness)
+        scale = np.where(good, new_scale, scale)
+        small = good & (part == 1) & (_size(step) <= 1e-11 * longest) & (_size(force) <= 1e-7 * scale)
+        moving = moving & ~(small | (_size(force) <= 1e-14 * scale))
+        if not moving.any():
+            break
+        secant = before / np.where(good | (before <= after), 1.0, before - after)
+        part = np.where(good, 1.0, part * np.clip(secant, 0.05, 0.6))
+    _check_settled(system, force, scale)
+    height = position[..., free, 2] + system.depth
+    position[..., free, 2] = np.maximum(position[..., free, 2], -system.depth)
+    return position, height < 0
+
+
+def _size(vector):
+    return np.abs(vector).max(-1)
+
+
+def _newton_step(force, stiffness, longest):
+    """Return the Newton step of the free coordinates, no longer than `longest` in any of them."""
+    n = force.shape[-1]
+    floor = 1e-10 * np.trace(stiffness, axis1=-2, axis2=-1) / n + 1e-6  # slack lines leave directions without stiffness
+    step = np.linalg.solve(stiffness + floor[..., None, None] * np.eye(n), force[..., None])[..., 0]
+    return step * np.minimum(1.0, longest / np.maximum(_size(step), 1e-300))[..., None]
+
+
+def _balance(system, position, near=None):
+    """Return force (..., 3c) and stiffness (..., 3c, 3c) of the connect points, the size of forces there, the lines."""
+    free = system._index["connect"]
+    depth_in = np.maximum(-system.depth - position[..., free, 2], 0.0)
+    seated = depth_in > 0
+    lifted = np.array(position)
+    lifted[..., free, 2] += depth_in
+    lines, basis, _ = _lines(system, lifted, near)
+    rates = _line_rates(system, lines, basis, _free_rates(system, seated), lifted)
+    force, rate = _point_forces(system, lines, basis, rates)
+    force = force[..., free, :] + system.point_load[free]
+    force[..., 2] += system._seat * depth_in
+    scale = lines.tension.max(-1) + np.abs(lines.weight * system.length).max(-1) + np.abs(system.point_load).max()
+    return force.reshape(force.shape[:-2] + (-1,)), _free_stiffness(system, rate, seated), scale, lines
+
+
+def _free_stiffness(system, rate, seated):
+    """Return -d(force on connect points) / d(coordinates) (..., 3c, n) with the seabed under those that lie on it."""
+    free = system._index["connect"]
+    out = -rate[..., free, :, :]
+    for i in range(free.size):
+        out[..., i, 2, -3 * free.size + 3 * i + 2] += system._seat * seated[..., i]
+    return out.reshape(out.shape[:-3] + (3 * free.size, -1))
+
+
+def _check_settled(system, force, scale):
+    lost = ~(np.abs(force) <= 1e-6 * scale[..., None])
+    if lost.any():
+        points = np.flatnonzero(lost.reshape(-1, force.shape[-1]).any(axis=0).reshape(-1, 3).any(axis=1))
+        names = ", ".join(str(system.point_names[system._index["connect"][i]]) for i in points)
+        raise ValueError(f"point {names}: no equilibrium found; check its lines, mass, volume and force")
 
 
 # --- lines ----------------------------------------------------------------------------------------------------------
@@ -217,8 +360,9 @@ def _lines(system, position, start=None):
     way = b - a
     x = np.sqrt(way[..., 0] ** 2 + way[..., 1] ** 2)
     z = way[..., 2]
-    clearance = np.minimum(a[..., 2], b[..., 2]) + system.depth
-    clearance = np.where(clearance <= SEABED_TOLERANCE, 0.0, clearance)
+    height = position[..., 2] + system.depth
+    height = np.where(height <= system._index["tolerance"], 0.0, height)
+    clearance = np.minimum(height[..., system.end_a], height[..., system.end_b])
     line = np.broadcast_arrays(x, *system._line_arrays)[1:] if x.ndim > 1 else system._line_arrays
     state = solve_lines(x, z, *line, clearance, start)
     basis = np.zeros(x.shape + (3, 3))
@@ -237,7 +381,7 @@ def _check_reach(system, span):
         check_lines(*np.broadcast_arrays(x, z, system.length, w, w + 1, w), system.line_names)
 
 
-def _line_rates(system, lines, basis, rate, lower):
+def _line_rates(system, lines, basis, rate, position):
     """Return d(fairlead H, V, side, anchor H, V, side) / d(coordinates) of the lines (..., l, 6, n)."""
     local = np.zeros(lines.lateral.shape + (6, 3))
     local[..., :2, :2], local[..., 3:5, :2] = lines.stiffness, lines.anchor_stiffness
@@ -245,6 +389,7 @@ def _line_rates(system, lines, basis, rate, lower):
     way = rate[..., system.end_b, :, :] - rate[..., system.end_a, :, :]
     out = local @ (basis.swapaxes(-1, -2) @ way)
     if lines.clearance_stiffness is not None:
+        lower = position[..., system.end_a, 2] <= position[..., system.end_b, 2]
         heave = np.where(lower[..., None], rate[..., system.end_a, 2, :], rate[..., system.end_b, 2, :])
         out[..., [0, 1, 3, 4], :] += lines.clearance_stiffness[..., None] * heave[..., None, :]
     return out
@@ -269,16 +414,18 @@ def _point_forces(system, lines, basis, line_rates):
 # --- the whole system -----------------------------------------------------------------------------------------------
 
 
-def _assemble(system, offset, arm, position, lines, basis, rate):
+def _assemble(system, offset, arm, position, lines, basis, rate, seated):
     """Add the line forces to platform forces, stiffness and tension gradients."""
-    lower = position[..., system.end_a, 2] <= position[..., system.end_b, 2]
-    line_rates = _line_rates(system, lines, basis, rate, lower)
+    line_rates = _line_rates(system, lines, basis, rate, position)
     force, force_rate = _point_forces(system, lines, basis, line_rates)
+    if seated is not None:
+        follow = _follow(_free_stiffness(system, force_rate, seated))[..., None, :, :]
+        line_rates, force_rate = line_rates @ follow, force_rate @ follow
     vessel = system._index["vessel"]
     on_vessel, vessel_rate = force[..., vessel, :], -force_rate[..., vessel, :, :]
     lever = skew(arm)
     total = np.concatenate([on_vessel.sum(axis=-2), (lever @ on_vessel[..., None])[..., 0].sum(axis=-2)], axis=-1)
-    turning = lever @ vessel_rate + skew(on_vessel) @ rate[..., vessel, :, :] * _ROTATIONS
+    turning = lever @ vessel_rate + skew(on_vessel) @ rate[..., vessel, :, :6] * _ROTATIONS
     stiffness = np.concatenate([vessel_rate.sum(axis=-3), turning.sum(axis=-3)], axis=-2)
     fairlead, anchor = lines.tension, lines.anchor_tension
     return MooringState(
@@ -300,7 +447,14 @@ def _assemble(system, offset, arm, position, lines, basis, rate):
     )
 
 
-_ROTATIONS = np.array([0.0, 0, 0, 1, 1, 1])
+def _follow(stiffness):
+    """Return d(platform and free coordinates) / d(platform coordinates) (..., 6 + 3c, 6): free points keep balance."""
+    own, coupling = stiffness[..., 6:], stiffness[..., :6]
+    try:
+        free = -np.linalg.solve(own, coupling)
+    except np.linalg.LinAlgError:  # points held by slack lines only: they stay
+        free = -np.linalg.pinv(own, rcond=1e-14) @ coupling
+    return np.concatenate([np.broadcast_to(np.eye(6), free.shape[:-2] + (6, 6)), free], axis=-2)
 
 
 def _tension_gradient(tension, horizontal, vertical, rates):

@@ -95,7 +95,9 @@ def tower_modes(tower: Tower, names: tuple[str, ...]) -> TowerModes:
     curvature = polynomial(coefficients, x, 2) / length**2
     fore_aft = np.array([TOWER_MODES[i].startswith("tower_fa") for i in index], dtype=bool)
     same = fore_aft[:, None] == fore_aft[None, :]
-    rigidity = np.where(fore_aft, *(np.interp(x, tower.station, s)[:, None] for s in (tower.stiffness_fa, tower.stiffness_ss)))
+    rigidity = np.where(
+        fore_aft, *(np.interp(x, tower.station, s)[:, None] for s in (tower.stiffness_fa, tower.stiffness_ss))
+    )
     tuner = np.sqrt(tower.stiffness_tuner[index])
     stiffness = np.einsum("ni,ni,nj->ij", rigidity, curvature, curvature) * step * same * np.outer(tuner, tuner)
     alone = np.sqrt(np.diag(stiffness) / (mass @ shape**2)) if len(index) else np.zeros(0)

@@ -104,7 +104,11 @@ def rotor_nacelle(structure: TurbineStructure) -> RigidBody:
     nodes = rotor.apex + blade_axis[:, None, :] * rotor.node_radius[:, None]
     parts = [
         (rotor.node_mass[None, :].repeat(rotor.blades, 0).ravel(), nodes.reshape(-1, 3), None),
-        (np.array([rotor.hub_mass]), (rotor.apex + rotor.hub_offset * axis)[None], rotor.hub_inertia * np.outer(axis, axis)),
+        (
+            np.array([rotor.hub_mass]),
+            (rotor.apex + rotor.hub_offset * axis)[None],
+            rotor.hub_inertia * np.outer(axis, axis),
+        ),
         (np.array([structure.nacelle.mass]), structure.nacelle.centre[None], structure.nacelle.inertia),
     ]
     masses = np.concatenate([p[0] for p in parts])
@@ -124,15 +128,20 @@ def platform_matrices(platform: RigidBody, gravity: float) -> tuple[np.ndarray, 
     return mass, weight_stiffness(platform.mass, platform.centre, gravity), force
 
 
-def structural_matrices(structure: TurbineStructure, modes: tuple[str, ...] = ("tower_fa1",)) -> TurbineMatrices:
+def structural_matrices(
+    structure: TurbineStructure, modes: tuple[str, ...] = ("tower_fa1",), deflection=None
+) -> TurbineMatrices:
     """Return the parked turbine's matrices from its structure alone: mass, structural damping, elastic and gravity stiffness.
 
     modes names the tower modes kept beside the six platform motions. Gravity enters by the second derivatives of
     the potential: weight times height lost by rotation, deflection and the shortening of the bent axis. Blades
-    are rigid. The matrices hold at the tower's static deflection under its own weight, which `point` gives.
+    are rigid. The matrices hold at the tower's deflection (k) [m], by default the static one under its own weight;
+    `point` gives it.
     Reference: Kane's equations as in Jonkman 2007, section 2.
     """
     shapes = tower_modes(structure.tower, tuple(modes))
+    if deflection is not None:
+        return _at_deflection(structure, shapes, np.asarray(deflection, dtype=float))
     straight = _at_deflection(structure, shapes, np.zeros(len(shapes.names)))
     bent = np.linalg.solve(straight.stiffness[6:, 6:], straight.force[6:]) if shapes.names else np.zeros(0)
     return _at_deflection(structure, shapes, bent)

@@ -1,0 +1,393 @@
+"""The study file (.fowt): what to model and in which seas and winds; every problem is reported at once."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from fowtio.errors import CaseError, FormatError, Problem
+from fowtio.read.openfast_input import InputFile, read_input
+from fowtio.read.text import number
+from model.conventions import PLATFORM_DOFS
+from model.environment.sea import SeaState
+from model.response.solve import DRAG_MODELS
+from model.system.hydro import LOW_FREQUENCY
+from model.system.tower import TOWER_MODES
+
+SUFFIX = ".fowt"
+SPECTRA = {
+    "jonswap": "jonswap", "pm": "pierson_moskowitz", "pierson_moskowitz": "pierson_moskowitz", "white_noise": "white_noise",
+    "torsethaugen": "torsethaugen", "ochi_hubble": "ochi_hubble", "still": "still",
+}  # fmt: skip
+WIND_SPECTRA = ("kaimal", "von_karman", "api")
+MASS_SOURCES = ("auto", "lin", "deck")
+TITLE_RULE = "FOWTIO STUDY FILE"
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinearisationEntry:
+    """Linearisation files of one wind speed [m/s], the deck that made them (None: unknown), where their mass matrix comes from."""
+
+    wind_speed: float
+    files: tuple[Path, ...]
+    deck: Path | None
+    mass: str = "auto"
+    line: int = 0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StateEntry:
+    """One sea and wind: name, wind_speed at hub height [m/s] (0: calm, the turbine parked), turbulence (a class, an intensity
+    as a fraction, or None for a steady wind), the sea.
+    """
+
+    name: str
+    wind_speed: float
+    turbulence: str | float | None
+    sea: SeaState
+    line: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """Settings with their defaults: frequency grid [Hz], models, duration of the statistics [s]."""
+
+    frequency_low: float = 0.003
+    frequency_high: float = 0.6
+    frequency_count: int = 400
+    drag_model: str = "relative"
+    low_frequency_excitation: str = "hold"
+    wind_spectrum: str = "kaimal"
+    wind_averaging: str = "rotor"
+    duration: float = 3600.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reference:
+    """Time series to compare a state with: state name, files, transient to discard [s], tolerances by channel."""
+
+    state: str
+    files: tuple[Path, ...]
+    discard: float
+    tolerance: float
+    line: int = 0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Case:
+    """A study: its file, title, deck, hydrodynamic coefficients (None: the deck's), degrees of freedom (None: the deck's),
+    linearisations, states (empty: the deck's own sea), options, references for validation.
+    """
+
+    path: Path
+    title: str
+    deck: Path
+    hydro: Path | None = None
+    dofs: tuple[str, ...] | None = None
+    linearisations: tuple[LinearisationEntry, ...] = ()
+    states: tuple[StateEntry, ...] = ()
+    options: Options = field(default_factory=Options)
+    references: tuple[Reference, ...] = ()
+
+
+_OPTIONS = {
+    "FreqMin": ("frequency_low", float), "FreqMax": ("frequency_high", float), "NFreq": ("frequency_count", int),
+    "DragModel": ("drag_model", DRAG_MODELS), "LowFreqExctn": ("low_frequency_excitation", LOW_FREQUENCY),
+    "WindSpectrum": ("wind_spectrum", WIND_SPECTRA), "WindAveraging": ("wind_averaging", ("rotor", "point")),
+    "Duration": ("duration", float),
+}  # fmt: skip
+_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "NRef", *_OPTIONS)
+_COLUMNS = ("WindSpeed", "LinFiles", "LinDeck", "MassMatrix", "Name", "Turbulence", "Spectrum", "State", "RefFiles", "(m/s)", "(-)")
+
+
+def load(path: str | Path) -> Case:
+    """Return a study from its file, or the study of a deck alone from a primary file (.fst).
+
+    Raises CaseError with every problem of the file at once, FormatError when it cannot be read at all.
+    """
+    path = Path(path)
+    if path.suffix.lower() == ".fst":
+        return Case(path=path, title=path.stem, deck=path)
+    source = read_input(path)
+    if TITLE_RULE not in source.lines[0].upper():
+        raise FormatError(
+            path, 1, expected=f"'--- {TITLE_RULE} ---' or an OpenFAST primary file (.fst)", found=source.lines[0],
+            hint="fowtio init DIR writes a study to start from",
+        )  # fmt: skip
+    problems = _Problems(source)
+    _check_names(source, problems)
+    case = Case(
+        path=path, title=source.lines[1].strip() if len(source.lines) > 1 else "",
+        deck=problems.get(lambda: _file(source, "Deck"), path),
+        hydro=problems.get(lambda: None if source.is_default("HydroFile") else _stem(source, "HydroFile")),
+        dofs=problems.get(lambda: _dofs(source)),
+        linearisations=problems.get(lambda: _linearisations(source, problems), ()),
+        states=problems.get(lambda: _states(source, problems), ()),
+        options=_options(source, problems),
+        references=problems.get(lambda: _references(source, problems), ()),
+    )  # fmt: skip
+    _check_consistency(case, problems)
+    problems.raise_all()
+    return case
+
+
+class _Problems:
+    """Collects what is wrong while reading goes on."""
+
+    def __init__(self, source: InputFile):
+        self.source, self.found = source, []
+
+    def add(self, text: str, line: int | None = None) -> None:
+        self.found.append(Problem(text, self.source.path, line))
+
+    def get(self, read: Callable, default=None):
+        """Return what `read` gives, or the default after noting its error."""
+        try:
+            return read()
+        except FormatError as error:
+            self.found.append(Problem(str(error)))
+        except ValueError as error:
+            self.add(str(error))
+        return default
+
+    def raise_all(self) -> None:
+        if self.found:
+            raise CaseError(list(dict.fromkeys(self.found)))
+
+
+def _check_names(source: InputFile, problems: _Problems) -> None:
+    """Note every name of the file that fowtio does not know, with the nearest that it does."""
+    known = {n.lower(): n for n in _NAMES}
+    tables = _table_lines(source)
+    for key, (line, _, written) in source.entries.items():
+        if key in known or line in tables:
+            continue
+        near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
+        hint = f"; did you mean {known[near[0]]}?" if near else f"; known names are {', '.join(_NAMES)}"
+        problems.add(f"unknown name {written}{hint}", line)
+
+
+def _table_lines(source: InputFile) -> set[int]:
+    """Return the lines of the tables: from below a count to the next rule."""
+    out = set()
+    for count in ("NLin", "NStates", "NRef"):
+        if source.has(count):
+            i = source.line(count)
+            while i < len(source.lines) and not source.lines[i].startswith("---"):
+                i += 1
+                out.add(i)
+    return out
+
+
+def _file(source: InputFile, name: str) -> Path:
+    path = source.path.parent / source.text(name)
+    if not path.is_file():
+        raise FormatError(source.path, source.line(name), expected=f"an existing file for {name}", found=source.text(name), hint=f"Looked for {path}")
+    return path
+
+
+def _stem(source: InputFile, name: str) -> Path:
+    path = source.path.parent / source.text(name)
+    if not path.exists() and not any(path.parent.glob(path.name + ".*")):
+        raise FormatError(source.path, source.line(name), expected=f"existing files for {name}", found=source.text(name), hint=f"Looked for {path} and {path}.*")
+    return path
+
+
+def _dofs(source: InputFile) -> tuple[str, ...] | None:
+    if source.is_default("DOFs"):
+        return None
+    text = source.text("DOFs")
+    if text in ("6", "7"):
+        return PLATFORM_DOFS + (("tower_fa1",) if text == "7" else ())
+    names = tuple(text.replace(",", " ").split())
+    known = PLATFORM_DOFS + TOWER_MODES
+    for name in names:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            raise FormatError(
+                source.path, source.line("DOFs"), expected="6, 7 or names of degrees of freedom", found=name,
+                hint=f"Did you mean {near[0]}?" if near else f"Known: {', '.join(known)}",
+            )  # fmt: skip
+    if len(set(names)) < len(names):
+        raise FormatError(source.path, source.line("DOFs"), expected="each degree of freedom once", found=text)
+    return names
+
+
+def _options(source: InputFile, problems: _Problems) -> Options:
+    values = {}
+    for name, (attribute, kind) in _OPTIONS.items():
+        if source.is_default(name):
+            continue
+        if isinstance(kind, tuple):
+            value = source.text(name).lower()
+            if value not in kind:
+                near = difflib.get_close_matches(value, kind, n=1)
+                hint = f"; did you mean {near[0]}?" if near else ""
+                problems.add(f"{name} is {value!r}, expected one of {', '.join(kind)}{hint}", source.line(name))
+                continue
+        else:
+            value = problems.get(lambda n=name, k=kind: source.integer(n) if k is int else source.number(n))
+            if value is None:
+                continue
+            if value <= 0:
+                problems.add(f"{name} is {value:g}, expected a number above zero", source.line(name))
+                continue
+        values[attribute] = value
+    out = Options(**values)
+    if out.frequency_low >= out.frequency_high:
+        problems.add(f"FreqMin {out.frequency_low:g} is not below FreqMax {out.frequency_high:g}", source.line("FreqMin") if source.has("FreqMin") else None)
+    if out.frequency_count < 50:
+        problems.add(f"NFreq is {out.frequency_count}, expected 50 or more", source.line("NFreq"))
+    return out
+
+
+def _linearisations(source: InputFile, problems: _Problems) -> tuple[LinearisationEntry, ...]:
+    if not source.has("NLin"):
+        return ()
+    table = source.table("NLin")
+    if not len(table):
+        return ()
+    speeds, patterns, decks = table.numbers("WindSpeed"), table.column("LinFiles"), table.column("LinDeck")
+    masses = table.column("MassMatrix") if "massmatrix" in [c.lower() for c in table.columns] else ["auto"] * len(table)
+    out = []
+    for speed, pattern, deck, mass, line in zip(speeds, patterns, decks, masses, table.numbers_of_lines, strict=True):
+        files = _glob(source, pattern)
+        if not files:
+            problems.add(f"no file matches {pattern!r} (LinFiles, looked in {source.path.parent})", line)
+        made_by = None if _blank(deck) else source.path.parent / deck
+        if made_by is not None and not made_by.is_file():
+            problems.add(f"LinDeck {deck!r} does not exist (looked for {made_by})", line)
+        if mass.lower() not in MASS_SOURCES:
+            problems.add(f"MassMatrix is {mass!r}, expected one of {', '.join(MASS_SOURCES)}", line)
+        out.append(LinearisationEntry(wind_speed=float(speed), files=files, deck=made_by, mass=mass.lower(), line=line))
+    for a, b in zip(sorted(out, key=_speed), sorted(out, key=_speed)[1:], strict=False):
+        if abs(a.wind_speed - b.wind_speed) < 0.05:
+            problems.add(f"two linearisations at {a.wind_speed:g} m/s", b.line)
+    return tuple(sorted(out, key=_speed))
+
+
+def _states(source: InputFile, problems: _Problems) -> tuple[StateEntry, ...]:
+    if not source.has("NStates"):
+        return ()
+    table = source.table("NStates")
+    if not len(table):
+        return ()
+    band = (source.number("NoiseLow", 0.005), source.number("NoiseHigh", 0.2))
+    columns = {name: table.column(name) for name in ("Name", "WindSpeed", "Turbulence", "Spectrum", "Hs", "Tp", "Gamma", "WaveDir")}
+    lower = [c.lower() for c in table.columns]
+    columns["Spreading"] = table.column("Spreading") if "spreading" in lower else ["-"] * len(table)
+    out = []
+    for k, line in enumerate(table.numbers_of_lines):
+        row = {name: values[k] for name, values in columns.items()}
+        try:
+            out.append(_state(row, band, line))
+        except ValueError as error:
+            problems.add(f"state {row['Name']!r}: {error}", line)
+    names = [s.name for s in out]
+    for name in sorted({n for n in names if names.count(n) > 1}):
+        problems.add(f"two states are named {name!r}", source.line("NStates"))
+    return tuple(out)
+
+
+def _state(row: dict[str, str], band: tuple[float, float], line: int) -> StateEntry:
+    """Return one row of the table of states; raise ValueError saying which column is wrong."""
+    kind = SPECTRA.get(row["Spectrum"].lower())
+    if kind is None:
+        near = difflib.get_close_matches(row["Spectrum"].lower(), SPECTRA, n=1)
+        raise ValueError(f"Spectrum is {row['Spectrum']!r}" + (f"; did you mean {near[0]}?" if near else f", expected one of {', '.join(SPECTRA)}"))
+    values: dict = {"kind": kind, "heading": np.radians(_cell(row, "WaveDir", 0.0))}
+    if kind != "still":
+        values["significant_height"] = _cell(row, "Hs")
+    if kind in ("jonswap", "pierson_moskowitz", "torsethaugen"):
+        values["peak_period"] = _cell(row, "Tp")
+    if kind == "jonswap" and not _blank(row["Gamma"]):
+        values["gamma"] = _cell(row, "Gamma")
+    if kind == "white_noise":
+        values["band"] = band
+    if not _blank(row["Spreading"]):
+        values["spreading"] = _cell(row, "Spreading")
+    speed = _cell(row, "WindSpeed", 0.0)
+    if speed < 0:
+        raise ValueError(f"WindSpeed is {speed:g}, expected zero (parked) or more")
+    return StateEntry(name=row["Name"], wind_speed=speed, turbulence=_turbulence(row["Turbulence"]), sea=SeaState(**values), line=line)
+
+
+def _turbulence(text: str) -> str | float | None:
+    if _blank(text) or text.lower() == "none":
+        return None
+    if text.upper() in ("A+", "A", "B", "C"):
+        return text.upper()
+    try:
+        value = number(text)
+    except ValueError:
+        raise ValueError(f"Turbulence is {text!r}, expected a class (A+, A, B, C), an intensity in per cent, or none") from None
+    if not 0 <= value <= 100:
+        raise ValueError(f"Turbulence is {value:g} %, expected 0 to 100")
+    return value / 100 or None
+
+
+def _references(source: InputFile, problems: _Problems) -> tuple[Reference, ...]:
+    if not source.has("NRef"):
+        return ()
+    table = source.table("NRef")
+    if not len(table):
+        return ()
+    out = []
+    discards, tolerances = table.numbers("Discard"), table.numbers("Tolerance")
+    for state, pattern, discard, tolerance, line in zip(
+        table.column("State"), table.column("RefFiles"), discards, tolerances, table.numbers_of_lines, strict=True
+    ):
+        files = _glob(source, pattern)
+        if not files:
+            problems.add(f"no file matches {pattern!r} (RefFiles, looked in {source.path.parent})", line)
+        out.append(Reference(state=state, files=files, discard=float(discard), tolerance=float(tolerance) / 100, line=line))
+    return tuple(out)
+
+
+def _check_consistency(case: Case, problems: _Problems) -> None:
+    """Note what only shows when the parts of a study are seen together."""
+    names = [s.name for s in case.states]
+    for reference in case.references:
+        if names and reference.state not in names:
+            problems.add(f"the reference names state {reference.state!r}; states are {', '.join(names)}", reference.line)
+    speeds = [e.wind_speed for e in case.linearisations if e.wind_speed > 0]
+    for state in case.states:
+        if state.wind_speed > 0 and not speeds:
+            problems.add(f"state {state.name!r} has wind ({state.wind_speed:g} m/s), but no linearisation is at a wind speed above 0", state.line)
+        elif state.wind_speed > 0 and not min(speeds) - 0.05 <= state.wind_speed <= max(speeds) + 0.05:
+            problems.add(
+                f"state {state.name!r}: wind speed {state.wind_speed:g} m/s lies outside the linearisations "
+                f"({min(speeds):g} to {max(speeds):g} m/s)", state.line,
+            )  # fmt: skip
+
+
+def _glob(source: InputFile, pattern: str) -> tuple[Path, ...]:
+    """Return the files that a pattern names, numbers in their names in numeric order."""
+    pattern = pattern.replace("\\", "/")
+    path = Path(pattern)
+    root = Path(path.anchor) if path.is_absolute() else source.path.parent
+    relative = str(path.relative_to(path.anchor)) if path.is_absolute() else pattern
+    return tuple(sorted(root.glob(relative), key=lambda p: [int(t) if t.isdigit() else t for t in p.name.replace(".", " . ").split()]))
+
+
+def _cell(row: dict[str, str], name: str, default: float | None = None) -> float:
+    if _blank(row[name]):
+        if default is None:
+            raise ValueError(f"{name} is missing")
+        return default
+    try:
+        return number(row[name])
+    except ValueError:
+        raise ValueError(f"{name} is {row[name]!r}, expected a number") from None
+
+
+def _blank(text: str) -> bool:
+    return text.lower() in ("-", "", "default", "unknown")
+
+
+def _speed(entry: LinearisationEntry) -> float:
+    return entry.wind_speed

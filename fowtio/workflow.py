@@ -1,0 +1,356 @@
+"""The pipelines from files to answers, each readable from top to bottom."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from fowtio.case import Case, LinearisationEntry, StateEntry
+from fowtio.errors import CaseError, FormatError, ModelError, Problem
+from fowtio.read.hydrodyn import drag_members
+from fowtio.read.openfast_deck import Deck, deck_hydro, read_deck
+from fowtio.read.openfast_lin import read_openfast_lin
+from model.conventions import PLATFORM_DOFS
+from model.environment.sea import SeaState
+from model.environment.wind import WindState
+from model.response.assemble import Equilibrium, Modes, System, assemble, equilibrium, natural_modes
+from model.response.loads import ChannelResponse, LinearOutputs, channel_response, linear_outputs, response_spectra
+from model.response.solve import Excitation, Grid, Response, excitation, frequency_grid, prepare, solve
+from model.response.statistics import Statistics, statistics
+from model.system.contributions import (
+    Contribution,
+    added_mass_contribution,
+    additional_contribution,
+    hydrostatic_contribution,
+    mooring_contribution,
+    platform_contribution,
+    turbine_contribution,
+    turbine_of_linearisation,
+    widen,
+)
+from model.system.hydro import HydroCoefficients, headings_cover
+from model.system.identified import SecondOrder, has_load_inputs, second_order
+from model.system.linearisation import Linearisation
+from model.system.tower import TOWER_MODES
+from model.system.turbine import TurbineMatrices, structural_matrices
+
+SAME_SPEED = 0.05  # m/s
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OperatingPoint:
+    """The model at one wind speed [m/s]: turbine, assembled system, mean offset, natural modes, standard channels.
+
+    contained are the parts that its linearisation held beside the turbine (empty without one).
+    """
+
+    wind_speed: float
+    turbine: TurbineMatrices
+    system: System
+    mean: Equilibrium
+    modes: Modes
+    outputs: LinearOutputs
+    contained: tuple[Contribution, ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Model:
+    """A study read and assembled: deck, coefficients, states, the operating points they need, the frequency grid omega (n)
+    [rad/s], and notes on what was assumed.
+    """
+
+    case: Case
+    deck: Deck
+    hydro: HydroCoefficients
+    states: tuple[StateEntry, ...]
+    points: tuple[OperatingPoint, ...]
+    omega: np.ndarray
+    notes: tuple[str, ...]
+
+    def at(self, wind_speed: float) -> OperatingPoint:
+        """Return the operating point of a wind speed [m/s]; raise ModelError when the study has none."""
+        for point in self.points:
+            if abs(point.wind_speed - wind_speed) < SAME_SPEED:
+                return point
+        raise ModelError(f"no operating point at {wind_speed:g} m/s; there are {[p.wind_speed for p in self.points]}")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StateResponse:
+    """The response to one state about its operating point."""
+
+    state: StateEntry
+    point: OperatingPoint
+    response: Response
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StateLoads:
+    """Channels of one state: transfer functions, response spectra (n, c) and statistics."""
+
+    state: StateEntry
+    point: OperatingPoint
+    response: Response
+    channels: ChannelResponse
+    spectra: np.ndarray
+    statistics: Statistics
+
+
+def build(case: Case, *, progress: Callable[[str], None] = lambda text: None, speeds: Sequence[float] | None = None) -> Model:
+    """Return the assembled model of a study at the wind speeds that its states need.
+
+    speeds [m/s] replaces those. progress is told what is being done. Raises FormatError, CaseError or ModelError.
+    """
+    progress("reading the deck")
+    deck = read_deck(case.deck)
+    hydro = deck_hydro(deck, case.hydro)
+    states = case.states or (_deck_state(deck),)
+    _check_headings(hydro, states, case.path)
+    dofs = case.dofs or deck.elastodyn.dofs
+    parts, notes = _fixed_parts(deck, hydro)
+    drag = drag_members(deck.hydrodyn.members, deck.density)
+    points = []
+    for speed in sorted({s.wind_speed for s in states} if speeds is None else set(speeds)):
+        progress(f"operating point at {speed:g} m/s" if speed else "parked operating point")
+        turbine, contained, more = _turbine(case, deck, dofs, speed)
+        notes += more
+        points.append(_operating_point(speed, turbine, contained, dofs, parts, hydro, drag, deck))
+    omega = _omega(case, states, points)
+    return Model(
+        case=case, deck=deck, hydro=hydro, states=tuple(states), points=tuple(points), omega=omega, notes=tuple(dict.fromkeys(notes))
+    )
+
+
+def solve_states(
+    model: Model, states: Sequence[StateEntry] | None = None, *, progress: Callable[[str], None] = lambda text: None
+) -> tuple[StateResponse, ...]:
+    """Return the responses to the states, by default those of the study; raise ModelError when drag does not converge."""
+    grids: dict[tuple, Grid] = {}
+    out = []
+    for state in model.states if states is None else states:
+        progress(f"solving {state.name}")
+        point = model.at(state.wind_speed)
+        drive = state_excitation(model, state)
+        key = tuple(drive.heading)
+        if key not in grids:
+            grids[key] = _prepare(point.system, drive, model)
+        response = solve(point.system, point.mean, drive, grid=grids[key], drag=model.case.options.drag_model)
+        if not response.converged:
+            raise ModelError(f"state {state.name!r}: drag did not converge in {response.iterations} iterations")
+        out.append(StateResponse(state=state, point=point, response=response))
+    return tuple(out)
+
+
+def loads(responses: Sequence[StateResponse], duration: float = 3600.0) -> tuple[StateLoads, ...]:
+    """Return channels, spectra and statistics of responses; duration [s] is that of the expected extremes."""
+    out = []
+    for item in responses:
+        channels = channel_response(item.point.outputs, item.response)
+        spectra = response_spectra(channels, item.response)
+        figures = statistics(spectra, item.response.excitation.omega, channels.mean, duration)
+        out.append(
+            StateLoads(
+                state=item.state, point=item.point, response=item.response, channels=channels, spectra=spectra, statistics=figures
+            )
+        )
+    return tuple(out)
+
+
+def state_excitation(model: Model, state: StateEntry, omega=None) -> Excitation:
+    """Return the spectra of a state on the model's frequencies, or on others (n) [rad/s]."""
+    wind = state_wind(model, state)
+    return excitation(model.omega if omega is None else omega, state.sea, wind)
+
+
+def state_wind(model: Model, state: StateEntry) -> WindState | None:
+    """Return the turbulent wind of a state, None when it is calm or steady."""
+    if state.wind_speed == 0 or state.turbulence is None:
+        return None
+    structure, options = model.deck.elastodyn.structure, model.case.options
+    kind = {"turbulence_class": state.turbulence} if isinstance(state.turbulence, str) else {"turbulence_intensity": state.turbulence}
+    return WindState(
+        mean_speed=state.wind_speed, hub_height=structure.hub_height, rotor_diameter=structure.rotor.diameter,
+        spectrum=options.wind_spectrum, averaging=options.wind_averaging, **kind,
+    )  # fmt: skip
+
+
+def _deck_state(deck: Deck) -> StateEntry:
+    """Return the sea of the deck as the only state, without wind."""
+    sea = deck.sea.sea if deck.sea is not None else SeaState(kind="still")
+    if sea is None:
+        raise FormatError(
+            deck.path, expected="a deck with still water, JONSWAP or white-noise waves (WaveMod 0, 2, 3)",
+            found=f"WaveMod {deck.sea.wave_model}", hint="Name the sea states in a study file",
+        )  # fmt: skip
+    return StateEntry(name="deck", wind_speed=0.0, turbulence=None, sea=sea)
+
+
+def _check_headings(hydro: HydroCoefficients, states: Sequence[StateEntry], path: Path) -> None:
+    """Report every state whose waves come from where the coefficients have no data."""
+    if hydro.heading is None:
+        raise CaseError([Problem("the hydrodynamic coefficients hold no excitation (is the .3 file missing?)", path)])
+    low, high = np.degrees(hydro.heading[[0, -1]])
+    bad = [s for s in states if s.sea.kind != "still" and not headings_cover(hydro, s.sea.heading)]
+    if bad:
+        raise CaseError([
+            Problem(f"state {s.name!r}: wave heading {np.degrees(s.sea.heading):g} deg lies outside the excitation data ({low:g} to {high:g} deg)",
+                    path, s.line or None) for s in bad
+        ])  # fmt: skip
+
+
+def _fixed_parts(deck: Deck, hydro: HydroCoefficients) -> tuple[list[Contribution], list[str]]:
+    """Return the contributions that no operating point changes, and notes."""
+    hydrodyn, notes = deck.hydrodyn, []
+    parts = [
+        platform_contribution(deck.elastodyn.structure.platform, deck.gravity, f"{deck.elastodyn.path.name} (PtfmMass, PtfmCM, inertias)"),
+        hydrostatic_contribution(hydro, f"hydrodynamic coefficients and {hydrodyn.path.name} (PtfmVol0)"),
+    ]
+    if np.any(hydrodyn.preload) or np.any(hydrodyn.stiffness) or np.any(hydrodyn.damping):
+        parts.append(additional_contribution(hydrodyn.preload, hydrodyn.stiffness, hydrodyn.damping, f"{hydrodyn.path.name} (AddF0, AddCLin, AddBLin)"))
+    if hydro.hydrostatic_stiffness is None:
+        raise ModelError("the hydrodynamic coefficients hold no hydrostatic stiffness (is the .hst file missing?)")
+    if deck.mooring is None:
+        notes.append("the deck has no moorings: the floater drifts freely in surge, sway and yaw")
+    if deck.sea is not None and deck.sea.current:
+        notes.append("the deck's current is not modelled")
+    return parts, notes
+
+
+def _turbine(case: Case, deck: Deck, dofs: Sequence[str], speed: float) -> tuple[TurbineMatrices, tuple[Contribution, ...], list[str]]:
+    """Return the turbine at a wind speed: from its linearisation, between two of them, or parked from the deck alone."""
+    entries = {e.wind_speed: e for e in case.linearisations}
+    near = next((e for s, e in entries.items() if abs(s - speed) < SAME_SPEED), None)
+    if near is not None:
+        return _linearised_turbine(near, deck)
+    if speed == 0:
+        modes = tuple(d for d in dofs if d in TOWER_MODES)
+        note = "parked turbine from the deck's structural data; blades rigid, no air"
+        return structural_matrices(deck.elastodyn.structure, modes), (), [note]
+    below = [s for s in entries if 0 < s < speed]
+    above = [s for s in entries if s > speed]
+    if not below or not above:
+        raise ModelError(f"no linearisation at {speed:g} m/s, nor below and above it; name its files in the study's table")
+    low, high = max(below), min(above)
+    (a, held, _), (b, _, _) = (_linearised_turbine(entries[s], deck) for s in (low, high))
+    note = f"turbine at {speed:g} m/s interpolated linearly between its linearisations at {low:g} and {high:g} m/s"
+    return _between(a, b, (speed - low) / (high - low), speed), held, [note]
+
+
+def _linearised_turbine(entry: LinearisationEntry, deck: Deck) -> tuple[TurbineMatrices, tuple[Contribution, ...], list[str]]:
+    """Return the turbine of a linearisation, less what else the deck that made it held."""
+    records = [read_openfast_lin(path) for path in entry.files]
+    made_by, note = _deck_of(entry, deck)
+    _check_modules(records[0], made_by)
+    top = made_by.elastodyn.structure.tower.top_height
+    try:
+        found = second_order(records, top, _given_mass(entry, records[0], made_by))
+        held = _contained(found, made_by)
+        turbine = turbine_of_linearisation(found, held, gravity=made_by.gravity, source=_span(entry.files))
+    except ValueError as error:
+        raise ModelError(str(error)) from None
+    return replace(turbine, wind_speed=entry.wind_speed), held, note
+
+
+def _deck_of(entry: LinearisationEntry, deck: Deck) -> tuple[Deck, list[str]]:
+    """Return the deck that made a linearisation: the one named, the one beside it, or the study's own."""
+    if entry.deck is not None:
+        return read_deck(entry.deck), []
+    beside = entry.files[0].with_name(entry.files[0].name.split(".")[0] + ".fst")
+    if beside.is_file():
+        return read_deck(beside), [f"{_span(entry.files)}: made by the deck beside it, {beside.name}"]
+    return deck, [f"{_span(entry.files)}: no LinDeck named, taken as made by the study's own deck"]
+
+
+def _check_modules(record: Linearisation, made_by: Deck) -> None:
+    """The modules that the file says were linked must be those of the deck."""
+    if not record.modules:
+        return
+    linked = {name.lower().split()[0] for name in record.modules}
+    for name, present in (("HydroDyn", made_by.hydrodyn is not None), ("MAP++", made_by.mooring is not None)):
+        if (name.lower() in linked) != present:
+            has, not_ = ("was", "does not use") if name.lower() in linked else ("was not", "uses")
+            raise FormatError(
+                record.source, expected=f"the modules of {made_by.path}", found=", ".join(record.modules),
+                hint=f"{name} {has} linked, but the deck {not_} it; name in LinDeck the deck that made the file",
+            )  # fmt: skip
+
+
+def _given_mass(entry: LinearisationEntry, record: Linearisation, made_by: Deck) -> np.ndarray | None:
+    """Return the mass matrix from the deck where the linearisation has no load inputs (or the study asks for it)."""
+    if entry.mass == "lin" or (entry.mass == "auto" and has_load_inputs(record)):
+        return None
+    if entry.mass == "auto" and entry.deck is None:
+        raise FormatError(
+            record.source, expected="ElastoDyn's platform load inputs, from which the mass matrix follows", found="none",
+            hint="Linearise with LinInputs = 2, or name the deck that made it (LinDeck), or set MassMatrix to deck",
+        )  # fmt: skip
+    dofs = [d for d, rate in zip(record.state_dof, record.state_rate, strict=True) if d and not rate]
+    modes = tuple(d for d in dofs if d in TOWER_MODES)
+    bent = [record.state_point[record.state_dof.index(m)] for m in modes]
+    turbine = structural_matrices(made_by.elastodyn.structure, modes, bent)
+    parts = [turbine_contribution(turbine), platform_contribution(made_by.elastodyn.structure.platform, made_by.gravity, "")]
+    if made_by.hydrodyn is not None and made_by.hydrodyn.potential_flow:
+        parts.append(added_mass_contribution(deck_hydro(made_by), ""))
+    return sum(widen(p, dofs).mass for p in parts)
+
+
+def _contained(found: SecondOrder, made_by: Deck) -> tuple[Contribution, ...]:
+    """Return what a linearised deck held beside the turbine."""
+    out = [platform_contribution(made_by.elastodyn.structure.platform, made_by.gravity, made_by.elastodyn.path.name)]
+    if made_by.hydrodyn is not None and made_by.hydrodyn.potential_flow:
+        hydrodyn, hydro = made_by.hydrodyn, deck_hydro(made_by)
+        out.append(hydrostatic_contribution(hydro, hydrodyn.path.name))
+        out.append(added_mass_contribution(hydro, hydrodyn.path.name))
+        out.append(additional_contribution(hydrodyn.preload, hydrodyn.stiffness, hydrodyn.damping, hydrodyn.path.name))
+    if made_by.mooring is not None:
+        at = [found.point[found.dofs.index(d)] if d in found.dofs else 0.0 for d in PLATFORM_DOFS]
+        out.append(mooring_contribution(made_by.mooring, at, made_by.mooring_path.name))
+    return tuple(out)
+
+
+def _between(a: TurbineMatrices, b: TurbineMatrices, share: float, speed: float) -> TurbineMatrices:
+    """Return matrices a share of the way from one operating point to the next."""
+    if a.dofs != b.dofs:
+        raise ModelError(f"linearisations {a.source} and {b.source} have different degrees of freedom")
+    names = ("mass", "damping", "stiffness", "force", "point", "wind_force", "rotor_speed")
+    values = {n: (1 - share) * getattr(a, n) + share * getattr(b, n) for n in names}
+    return replace(a, **values, wind_speed=speed, source=f"{a.source} and {b.source}, interpolated")
+
+
+def _operating_point(speed, turbine, contained, dofs, parts, hydro, drag, deck: Deck) -> OperatingPoint:
+    try:
+        system = assemble(dofs, turbine, [turbine_contribution(turbine), *parts], hydro, drag, deck.mooring, deck.hydrodyn.quadratic_damping)
+        mean = equilibrium(system)
+    except ValueError as error:
+        raise ModelError(f"{deck.mooring_path or deck.path}: {error}") from None
+    return OperatingPoint(
+        wind_speed=speed, turbine=turbine, system=system, mean=mean, modes=natural_modes(system, mean),
+        outputs=linear_outputs(system, mean, deck.elastodyn.structure), contained=contained,
+    )  # fmt: skip
+
+
+def _omega(case: Case, states: Sequence[StateEntry], points: Sequence[OperatingPoint]) -> np.ndarray:
+    """Return one frequency grid for all states, dense around the natural frequencies of all operating points."""
+    natural = np.concatenate([p.modes.frequency for p in points])
+    damping = np.maximum(np.concatenate([p.modes.damping_ratio for p in points]), [0.004 if n == "tower_fa1" else 0.02 for p in points for n in p.modes.names])
+    order = np.argsort(natural)
+    natural, damping = natural[order], damping[order]
+    apart = np.concatenate([[True], np.diff(np.log(natural)) > 0.02])
+    edges = sorted({2 * np.pi * f for s in states if s.sea.band is not None for f in s.sea.band})
+    options = case.options
+    return frequency_grid(
+        2 * np.pi * options.frequency_low, 2 * np.pi * options.frequency_high, options.frequency_count,
+        natural[apart], damping[apart], edges=edges,
+    )  # fmt: skip
+
+
+def _prepare(system: System, drive: Excitation, model: Model) -> Grid:
+    return prepare(system, drive.omega, drive.heading, low_frequency=model.case.options.low_frequency_excitation)
+
+
+def _span(files: Sequence[Path]) -> str:
+    """Return a short name for one or several files."""
+    return files[0].name if len(files) == 1 else f"{files[0].parent.name}/{files[0].name} to {files[-1].name} ({len(files)} azimuths)"
