@@ -31,22 +31,28 @@ def unquote(token: str) -> str:
     return token[1:-1].strip() if len(token) > 1 and token[0] == token[-1] and token[0] in "\"'" else token
 
 
+def is_comment(line: str) -> bool:
+    """Tell whether a line is a comment."""
+    return line.lstrip().startswith(("!", "#", "%"))
+
+
 def is_rule(line: str) -> bool:
     """Tell whether a line is a section rule or a comment."""
-    text = line.strip()
-    return text.startswith(("---", "===", "***", "!", "#"))
+    return is_comment(line) or line.lstrip().startswith(("---", "===", "***"))
 
 
 @dataclass
 class InputFile:
     """One OpenFAST-style input file, its values found by name.
 
-    path, lines as read; entries maps a lower-case name to (line number from 1, value tokens, name as written).
+    path, lines as read; entries maps a lower-case name to (line number from 1, value tokens, name as written), the
+    first when a name is given again; repeated maps it to the first line that gives it another value.
     """
 
     path: Path
     lines: list[str]
     entries: dict[str, tuple[int, list[str], str]] = field(default_factory=dict)
+    repeated: dict[str, int] = field(default_factory=dict)
 
     def has(self, name: str) -> bool:
         """Tell whether the file gives a value under this name."""
@@ -61,8 +67,13 @@ class InputFile:
         return self.entries[name.lower()][0]
 
     def values(self, name: str) -> list[str]:
-        """Return the value tokens that stand before a name."""
-        self.line(name)
+        """Return the value tokens that stand before a name; raise FormatError when it is given two values."""
+        first = self.line(name)
+        if name.lower() in self.repeated:
+            again = self.repeated[name.lower()]
+            raise FormatError(
+                self.path, again, expected=f"{name} once (line {first} gives it too)", found=self.lines[again - 1]
+            )
         return self.entries[name.lower()][1]
 
     def text(self, name: str, default=_MISSING) -> str:
@@ -73,6 +84,18 @@ class InputFile:
         if not values:
             raise FormatError(self.path, self.line(name), expected=f"a value before {name}", found="none")
         return unquote(values[0])
+
+    def file(self, name: str) -> Path:
+        """Return the path of the file that a name gives, relative to this file; raise FormatError when it is not there."""
+        text = self.text(name)
+        path = self.path.parent / text
+        if not path.is_file():
+            path = self.path.parent / text.replace("\\", "/")
+        if path.is_file():
+            return path
+        twin = _other_case(path)
+        hint = f"There is {twin}: mind upper and lower case" if twin else f"Looked for {path}; paths are relative to {self.path.name}"
+        raise FormatError(self.path, self.line(name), expected=f"an existing file for {name}", found=text, hint=hint)
 
     def is_default(self, name: str) -> bool:
         """Tell whether a name is absent or its value is DEFAULT."""
@@ -109,7 +132,10 @@ class InputFile:
     def array(self, name: str, rows: int, columns: int) -> np.ndarray:
         """Return a (rows, columns) matrix whose first row stands on the line of the name and the others below it."""
         first = self.line(name)
-        out = [[number(t) for t in self.values(name)[:columns]]]
+        try:
+            out = [[number(t) for t in self.values(name)[:columns]]]
+        except ValueError:
+            out = [[]]
         for i in range(first, first + rows - 1):
             line = self.lines[i] if i < len(self.lines) else ""
             try:
@@ -189,8 +215,17 @@ def read_input(path: str | Path) -> InputFile:
         is_title = i == 2 and is_rule(out.lines[0])
         entry = None if is_title or is_rule(line) else _entry(tokens(line))
         if entry is not None:
-            out.entries.setdefault(entry[1].lower(), (i, *entry))
+            name = entry[1].lower()
+            if out.entries.setdefault(name, (i, *entry))[1] != entry[0] and entry[0]:
+                out.repeated.setdefault(name, i)
     return out
+
+
+def _other_case(path: Path) -> str:
+    """Return the name of a file in the same folder that differs in upper and lower case only, or ""."""
+    if not path.parent.is_dir():
+        return ""
+    return next((p.name for p in path.parent.iterdir() if p.name.lower() == path.name.lower()), "")
 
 
 def _entry(parts: list[str]) -> tuple[list[str], str] | None:
@@ -215,16 +250,23 @@ def _table(source: InputFile, start: int, rows: int, what: str) -> Table:
         i += 1
     found, where = [], []
     while len(found) < rows:
-        if i >= len(source.lines) or is_rule(source.lines[i]):
+        line = source.lines[i] if i < len(source.lines) else "---"
+        if is_rule(line) and not is_comment(line):
             place = min(i + 1, len(source.lines))
-            raise FormatError(
-                source.path, place, expected=f"{rows} rows in the table of {what}", found=f"{len(found)} rows"
-            )
-        if source.lines[i].strip():
-            found.append(tokens(source.lines[i].split("!")[0]))
+            raise FormatError(source.path, place, expected=f"{rows} rows in the table of {what}", found=f"{len(found)} rows")
+        if line.strip() and not is_comment(line):
+            found.append(tokens(line.split("!")[0]))
             where.append(i + 1)
         i += 1
+    _check_end(source, i, columns, rows, what)
     return Table(source.path, columns, found, where)
+
+
+def _check_end(source: InputFile, i: int, columns: list[str], rows: int, what: str) -> None:
+    """Raise FormatError when the line behind a table looks like one more row: the count is then wrong."""
+    parts = tokens(source.lines[i].split("!")[0]) if i < len(source.lines) else []
+    if parts and len(parts) >= len(columns) and _is_number(parts[0]) and _is_number(parts[1] if len(parts) > 1 else "0"):
+        raise FormatError(source.path, i + 1, expected=f"the end of the table of {what} after {rows} rows", found=source.lines[i])
 
 
 def _is_number(text: str) -> bool:

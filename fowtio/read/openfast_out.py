@@ -1,4 +1,4 @@
-"""Time series that OpenFAST writes: binary .outb (FileFmtID 1 to 4) and text .out.
+"""Time series that OpenFAST and its modules write: binary .outb (FileFmtID 1 to 4) and text .out (HydroDyn, MoorDyn, MAP).
 
 Source of the binary layout: WrBinFAST in the NWTC Library's documentation (little-endian; packed 16-bit integers with
 a slope and an offset per channel, or plain doubles).
@@ -7,20 +7,23 @@ a slope and an offset per channel, or plain doubles).
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.text import number_rows, read_lines
+from fowtio.read.text import number_table, numbers, read_bytes, read_lines
 
 _WITH_TIME, _WITHOUT_TIME, _UNCOMPRESSED, _LONG_NAMES = 1, 2, 3, 4
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TimeSeries:
-    """Channels over time: names, units as written, data (samples, channels), time [s], source names the file."""
+    """Channels over time: names, units as written, data (samples, channels), time [s], source names the file.
+
+    trailing_bytes counts what a binary file holds behind its last step, as when it was written over a longer one.
+    """
 
     time: np.ndarray
     data: np.ndarray
@@ -28,6 +31,7 @@ class TimeSeries:
     units: tuple[str, ...]
     description: str = ""
     source: str = ""
+    trailing_bytes: int = 0
 
     def channel(self, name: str) -> np.ndarray:
         """Return one channel by its name (any case); raise FormatError when there is none."""
@@ -37,26 +41,28 @@ class TimeSeries:
         return self.data[:, lower.index(name.lower())]
 
     def unit(self, name: str) -> str:
-        """Return the unit of a channel as written in the file, without brackets."""
+        """Return the unit of a channel as written in the file, without brackets; raise FormatError when there is none."""
+        self.channel(name)
         return self.units[[n.lower() for n in self.names].index(name.lower())]
 
 
 def read_openfast_out(path: str | Path) -> TimeSeries:
     """Return the time series of an OpenFAST .outb or .out file, told apart by content; raise FormatError."""
     path = Path(path)
-    if not path.is_file():
-        raise FormatError(path, hint="The file does not exist; check its name and folder")
-    with path.open("rb") as stream:
-        start = stream.read(2)
-    is_binary = len(start) == 2 and struct.unpack("<h", start)[0] in (1, 2, 3, 4)
-    return _read_binary(path) if is_binary else _read_text(path)
+    data = read_bytes(path)
+    return _read_binary(path, data) if is_outb(data) else _read_text(path)
+
+
+def is_outb(head: bytes) -> bool:
+    """Tell by the first bytes of a file whether it is a binary output file of OpenFAST."""
+    return len(head) > 1 and struct.unpack("<h", head[:2])[0] in (_WITH_TIME, _WITHOUT_TIME, _UNCOMPRESSED, _LONG_NAMES)
 
 
 class _Buffer:
     """Reads values one after another and says what was being read when the file ends."""
 
-    def __init__(self, path: Path):
-        self.path, self.data, self.at = path, path.read_bytes(), 0
+    def __init__(self, path: Path, data: bytes):
+        self.path, self.data, self.at = path, data, 0
 
     def take(self, kind: str, count: int, what: str) -> np.ndarray:
         dtype = np.dtype(kind)
@@ -77,17 +83,19 @@ class _Buffer:
         return self.take("<u1", length, what).tobytes().decode("latin-1").strip()
 
 
-def _read_binary(path: Path) -> TimeSeries:
-    buffer = _Buffer(path)
+def _read_binary(path: Path, content: bytes) -> TimeSeries:
+    buffer = _Buffer(path, content)
     form = int(buffer.one("<i2", "FileFmtID"))
     width = int(buffer.one("<i2", "name length")) if form == _LONG_NAMES else 10
     channels, samples = (int(buffer.one("<i4", what)) for what in ("number of channels", "number of time steps"))
     if not (0 < channels < 100_000 and 0 < samples < 2**31 and 0 < width < 1000):
         raise FormatError(path, expected="counts of an .outb header", found=f"{channels} channels, {samples} steps")
     if form == _WITH_TIME:
-        time_scale, time_offset = buffer.take("<f8", 2, "time scale and offset")
+        time_scale, time_offset = _finite(path, buffer.take("<f8", 2, "time scale and offset"), "time scale and offset")
+        if time_scale == 0:
+            raise FormatError(path, expected="a time scale other than zero", found="0")
     else:
-        time_start, time_step = buffer.take("<f8", 2, "first time and time step")
+        time_start, time_step = _finite(path, buffer.take("<f8", 2, "first time and time step"), "first time and time step")
     if form != _UNCOMPRESSED:
         slope = buffer.take("<f4", channels, "channel slopes").astype(float)
         offset = buffer.take("<f4", channels, "channel offsets").astype(float)
@@ -101,33 +109,45 @@ def _read_binary(path: Path) -> TimeSeries:
     kind = "<f8" if form == _UNCOMPRESSED else "<i2"
     packed = buffer.take(kind, samples * channels, "channel data").reshape(samples, channels)
     if form != _UNCOMPRESSED:
-        if np.any(slope == 0):
-            raise FormatError(path, expected="channel slopes other than zero", found="zero")
+        if np.any(slope == 0) or not np.all(np.isfinite([slope, offset])):
+            raise FormatError(path, expected="finite channel slopes other than zero and offsets", found="zero, NaN or infinity")
         data = (packed - offset) / slope
     else:
         data = packed.astype(float)
-    return _series(path, time, data, names[1:], units[1:], description)
+    series = _series(path, time, data, names[1:], units[1:], description)
+    return replace(series, trailing_bytes=len(content) - buffer.at)
+
+
+def _finite(path: Path, values: np.ndarray, what: str) -> np.ndarray:
+    if not np.all(np.isfinite(values)):
+        raise FormatError(path, expected=f"finite {what}", found="NaN or infinity")
+    return values
 
 
 def _read_text(path: Path) -> TimeSeries:
     lines = read_lines(path)
     head = next((i for i, line in enumerate(lines[:50]) if line.split()[:1] and line.split()[0].lower() == "time"), None)
     if head is None or head + 1 >= len(lines):
-        raise FormatError(path, expected="a heading line that begins with Time", found=lines[0])
-    names = lines[head].split()
-    units = [u.strip("()[]") for u in lines[head + 1].split()]
-    if len(units) != len(names):
-        raise FormatError(path, head + 2, expected=f"{len(names)} units", found=lines[head + 1])
-    body = lines[head + 2 :]
+        raise FormatError(path, expected="a heading line that begins with Time", found=next(x for x in lines if x.strip()))
+    names = _columns(lines[head])
+    first = head + 1
     try:
-        table = np.array(" ".join(body).split(), dtype=float).reshape(-1, len(names))
-        if not np.all(np.isfinite(table)) or len(body[0].split()) != len(names):
-            raise ValueError
-    except (ValueError, IndexError):
-        table = np.array(number_rows(path, body, head + 3, (len(names),), "a row of time series"))
+        numbers(lines[first])
+        units = [""] * len(names)
+    except ValueError:
+        units = [u.strip("()[]") for u in _columns(lines[first])]
+        first += 1
+    if len(units) != len(names):
+        raise FormatError(path, first, expected=f"{len(names)} units", found=lines[first - 1])
+    table = number_table(path, lines[first:], first + 1, len(names), "a row of time series")
     if not table.size:
-        raise FormatError(path, head + 2, expected="rows of numbers", found="none")
+        raise FormatError(path, first, expected="rows of numbers", found="none")
     return _series(path, table[:, 0], table[:, 1:], names[1:], units[1:], " ".join(lines[:head]).strip())
+
+
+def _columns(line: str) -> list[str]:
+    """Return the headings of a line, between tabs when it has any."""
+    return [part.strip() for part in line.strip().split("\t")] if "\t" in line.strip() else line.split()
 
 
 def _series(path, time, data, names, units, description) -> TimeSeries:
@@ -138,6 +158,10 @@ def _series(path, time, data, names, units, description) -> TimeSeries:
     bad = ~np.isfinite(data).all(axis=0)
     if np.any(bad):
         raise FormatError(path, expected="finite numbers", found=f"NaN or infinity in {names[int(np.argmax(bad))]}")
+    if len({n.lower() for n in names}) < len(names):
+        twice = next(n for k, n in enumerate(names) if n.lower() in [m.lower() for m in names[:k]])
+        if not np.array_equal(*(data[:, [k for k, n in enumerate(names) if n.lower() == twice.lower()][:2]]).T):
+            raise FormatError(path, expected="channels of different names", found=f"{twice} twice with different values")
     for array in (time, data):
         array.setflags(write=False)
     return TimeSeries(

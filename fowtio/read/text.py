@@ -11,19 +11,27 @@ import numpy as np
 from fowtio.errors import FormatError
 
 _MERGED = re.compile(r"(?<=[0-9.])(?=[+-]\d*\.)")  # -1.2E+00-5.6E+00: a sign after a digit begins a new number
-_BARE_EXPONENT = re.compile(r"(?<=\d)([+-]\d{3})(?![\d.])")  # 1.234-103: three-digit exponent without its letter
+_BARE_EXPONENT = re.compile(r"([+-]?(?:\d+\.\d*|\.\d+))([+-]\d{3})")  # 1.234-103: three-digit exponent without its letter
+_PLAIN = re.compile(r"[0-9+\-.eEdD]+")
 
 
-def read_text(path: str | Path) -> str:
-    """Return the text of a file, decoded as UTF-8 or, failing that, Latin-1; raise FormatError when it cannot be had."""
+def read_bytes(path: str | Path) -> bytes:
+    """Return the bytes of a file; raise FormatError when they cannot be had."""
     path = Path(path)
     try:
-        data = path.read_bytes()
+        return path.read_bytes()
     except FileNotFoundError:
         raise FormatError(path, hint="The file does not exist; check its name and folder") from None
     except OSError as error:
         raise FormatError(path, found=str(error), expected="a readable file") from None
-    if b"\0" in data[:4096]:
+
+
+def read_text(path: str | Path) -> str:
+    """Return the text of a file, decoded as UTF-8 or, failing that, Latin-1; raise FormatError when it cannot be had."""
+    data = read_bytes(path)
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16", errors="replace")
+    if b"\0" in data:
         raise FormatError(path, expected="a text file", found="binary data")
     try:
         return data.decode("utf-8-sig")
@@ -33,7 +41,10 @@ def read_text(path: str | Path) -> str:
 
 def read_lines(path: str | Path) -> list[str]:
     """Return the lines of a text file without line ends; raise FormatError when it is missing or empty."""
-    lines = read_text(path).splitlines()
+    text = read_text(path).replace("\r\n", "\n").replace("\r", "\n")
+    lines = text.split("\n")
+    if lines and not lines[-1]:
+        lines.pop()
     if not any(line.strip() for line in lines):
         raise FormatError(path, expected="text", found="an empty file")
     return lines
@@ -41,12 +52,15 @@ def read_lines(path: str | Path) -> list[str]:
 
 def number(token: str) -> float:
     """Return the finite number that a token spells (Fortran D exponents too); raise ValueError otherwise."""
+    if not _PLAIN.fullmatch(token):
+        raise ValueError(f"{token!r} is not a finite number")
     try:
         value = float(token)
     except ValueError:
-        repaired = _BARE_EXPONENT.sub(r"E\1", token.replace("D", "E").replace("d", "e"))
-        value = float(repaired)
-    if "_" in token or not np.isfinite(value):
+        text = token.replace("D", "E").replace("d", "e")
+        bare = _BARE_EXPONENT.fullmatch(text)
+        value = float(f"{bare[1]}E{bare[2]}" if bare else text)
+    if not np.isfinite(value):
         raise ValueError(f"{token!r} is not a finite number")
     return value
 
@@ -79,3 +93,19 @@ def number_rows(path: Path, lines: Sequence[str], first: int, widths: Sequence[i
             raise FormatError(path, first + offset, expected=f"{what} ({wanted} columns)", found=line)
         rows.append(row)
     return rows
+
+
+def number_table(path: Path, lines: Sequence[str], first: int, width: int, what: str) -> np.ndarray:
+    """Return the (rows, width) numbers of consecutive table lines: at once when they are clean, else line by line.
+
+    Parameters as of `number_rows`. Raises FormatError at the first bad line.
+    """
+    if not any(line.strip() for line in lines):
+        return np.zeros((0, width))
+    try:
+        table = np.loadtxt(lines, comments=None, ndmin=2)
+        if table.shape[1] == width and np.all(np.isfinite(table)):
+            return table
+    except ValueError:
+        pass
+    return np.array(number_rows(path, lines, first, (width,), what)).reshape(-1, width)

@@ -27,7 +27,7 @@ LEAST_WEIGHT = 1e-12
 STEP = 1e-8
 # A horizontal distance below this part of the length is a vertical line; a height below it a flat one.
 NOTHING = 1e-13
-TINY = 1e-300
+TINY = 1e-150
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -145,7 +145,7 @@ def line_profile(state, horizontal, vertical, length, stiffness, friction=0.0, n
     edge = np.where(z < 0, pull**2 - left**2, left**2 - most**2)
     stretch = pull * (s - flat) + np.where(drag > 0, 0.5 * edge / np.where(drag > 0, drag, 1.0), pull * flat)
     along = np.where((pull > 0) | (lying == 0), 1.0, x / np.where(lying > 0, lying, 1.0)) * flat
-    across = along + h / w * _span(h, v, lift, t, t0) + stretch / ea
+    across = along + h / w * _span(h, v, lift, t, t0, w * (s - flat)) + stretch / ea
     up = (v + lift) * (s - flat) * (1 / (t + t0) + 0.5 / ea)
     return across, up, np.hypot(left, v)
 
@@ -227,12 +227,12 @@ def _grounded(h, v, e, cb):
     return x, z, rise - v / t + e * (1 - free / safe), cross + e * (cb * lying - free), cross, v / t + e * v
 
 
-def _span(h, top, bottom, t_top, t_bottom):
-    """Return asinh(top / h) - asinh(bottom / h), exact for taut lines too."""
+def _span(h, top, bottom, t_top, t_bottom, rise):
+    """Return asinh(top / h) - asinh(bottom / h), exact for taut lines too; rise is top - bottom without rounding."""
     p = top * bottom
     taut = p > 0
     q = 0.5 + 0.5 * (h * h + top * top + bottom * bottom) / np.where(taut, t_top * t_bottom + p, 1.0)
-    short = 2 * np.arcsinh((top - bottom) * np.sqrt(q) / (t_top + t_bottom))
+    short = 2 * np.arcsinh(rise * np.sqrt(q) / (t_top + t_bottom))
     if taut.all():
         return short
     return np.where(taut, short, np.arcsinh(top / h) - np.arcsinh(bottom / h))
@@ -242,7 +242,7 @@ def _suspended(h, v, e):
     """Return x, z, dx/dh, dx/dv, dz/dh, dz/dv of lines clear of the seabed."""
     u = v - 1
     t, b = np.sqrt(h * h + v * v), np.sqrt(h * h + u * u)
-    span = _span(h, v, u, t, b)
+    span = _span(h, v, u, t, b, 1.0)
     turn = v / t - u / b
     taut = v * u > 0
     if taut.any():

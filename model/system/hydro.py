@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from model.conventions import freeze, move_force, move_matrix
+from model.conventions import freeze, move_force, move_matrix, weight_stiffness
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -42,8 +42,19 @@ class HydroCoefficients:
             hydrostatic_stiffness=(6, 6), centre_of_buoyancy=(3,), reference_point=(3,),
         )  # fmt: skip
         for name, values in (("omega", self.omega), ("heading", self.heading)):
-            if values is not None and np.any(np.diff(values) <= 0):
+            if values is not None and not np.all(np.diff(values) > 0):
                 raise ValueError(f"{name} must ascend without repetition")
+        if np.any(self.omega <= 0) or not np.all(np.isfinite(self.omega)):
+            raise ValueError(
+                f"omega runs from {self.omega.min()} to {self.omega.max()} rad/s; it must be positive and finite: "
+                "zero and infinity have their own fields, added_mass_zero and added_mass_infinite"
+            )
+        if (self.excitation is None) != (self.heading is None):
+            raise ValueError("excitation and heading belong together; give both or neither")
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, np.ndarray) and not np.all(np.isfinite(value)):
+                raise ValueError(f"{field.name} has a value that is not a finite number")
 
 
 def infinite_added_mass(hydro: HydroCoefficients) -> np.ndarray:
@@ -107,11 +118,25 @@ def headings_cover(hydro: HydroCoefficients, heading) -> np.ndarray:
 
 
 def transfer(hydro: HydroCoefficients, point) -> HydroCoefficients:
-    """Return the same body's coefficients about another reference point (3) [m]; waves keep their phase origin."""
+    """Return the same body's coefficients about another reference point (3) [m]; waves keep their phase origin.
+
+    The buoyancy acts through the body, so the moment about a point that moves with the body changes with the point:
+    the stiffness is that of rho g volume as a negative weight at the old point, besides the congruence of the others.
+    Raises ValueError when there is a hydrostatic stiffness and no volume.
+    """
     offset = np.asarray(point, dtype=float) - hydro.reference_point
 
     def moved(matrix):
         return None if matrix is None else move_matrix(matrix, offset)
+
+    stiffness = moved(hydro.hydrostatic_stiffness)
+    if stiffness is not None and np.any(offset != 0):
+        if hydro.volume is None:
+            raise ValueError(
+                "the hydrostatic stiffness cannot go to another point without the displaced volume; "
+                "give it: dataclasses.replace(hydro, volume=...)"
+            )
+        stiffness = stiffness + weight_stiffness(hydro.density * hydro.volume, offset, hydro.gravity)
 
     return replace(
         hydro,
@@ -121,7 +146,7 @@ def transfer(hydro: HydroCoefficients, point) -> HydroCoefficients:
         added_mass_zero=moved(hydro.added_mass_zero),
         added_mass_infinite=moved(hydro.added_mass_infinite),
         excitation=None if hydro.excitation is None else move_force(hydro.excitation, offset),
-        hydrostatic_stiffness=moved(hydro.hydrostatic_stiffness),
+        hydrostatic_stiffness=stiffness,
     )
 
 

@@ -272,15 +272,16 @@ def _settle(system, position):
     """Return the positions with all connect points in equilibrium, and which of these (..., c) lie on the seabed.
 
     The energy of lines, weights and seabed is convex in the free coordinates (friction aside, which is weak), so
-    Newton steps always get there if they stop short of going uphill: a step that does is cut by the secant rule.
+    damped Newton steps always get there: the damping grows until a step goes downhill and fades afterwards.
     """
     free = system._index["connect"]
     position = np.array(position)
     longest = system.length.max()
     force, stiffness, scale, lines = _balance(system, position)
-    part, moving = np.ones(force.shape[:-1]), np.ones(force.shape[:-1], dtype=bool)
+    damping = np.zeros(force.shape[:-1])
+    moving = np.ones(force.shape[:-1], dtype=bool)
     for _ in range(SETTLE_STEPS):
-        step = part[..., None] * _newton_step(force, stiffness, 0.3 * longest)
+        step = _damped_step(force, stiffness, damping, 0.3 * longest)
         trial = np.array(position)
         trial[..., free, :] += step.reshape(step.shape[:-1] + (-1, 3))
         near = lines if np.abs(step).max() < 0.01 * longest else None
@@ -291,27 +292,29 @@ def _settle(system, position):
         force = np.where(good[..., None], new_force, force)
         stiffness = np.where(good[..., None, None], new_stiffness, stiffness)
         scale = np.where(good, new_scale, scale)
-        small = good & (part == 1) & (_size(step) <= 1e-11 * longest) & (_size(force) <= 1e-7 * scale)
+        stiff = np.trace(new_stiffness, axis1=-2, axis2=-1) / step.shape[-1]
+        relaxed = np.where(damping > 1e-6 * stiff, 0.1 * damping, 0.0)
+        damping = np.where(good, relaxed, np.maximum(8 * damping, 1e-3 * stiff))
+        small = (np.abs(step).max(-1) <= 1e-11 * longest) & (_size(force) <= 1e-7 * scale)
         moving = moving & ~(small | (_size(force) <= 1e-14 * scale))
         if not moving.any():
             break
-        secant = before / np.where(good | (before <= after), 1.0, before - after)
-        part = np.where(good, 1.0, part * np.clip(secant, 0.05, 0.6))
     _check_settled(system, force, scale)
-    height = position[..., free, 2] + system.depth
+    seated = position[..., free, 2] <= -system.depth
     position[..., free, 2] = np.maximum(position[..., free, 2], -system.depth)
-    return position, height < 0
+    return position, seated
 
 
 def _size(vector):
     return np.abs(vector).max(-1)
 
 
-def _newton_step(force, stiffness, longest):
+def _damped_step(force, stiffness, damping, longest):
     """Return the Newton step of the free coordinates, no longer than `longest` in any of them."""
     n = force.shape[-1]
     floor = 1e-10 * np.trace(stiffness, axis1=-2, axis2=-1) / n + 1e-6  # slack lines leave directions without stiffness
-    step = np.linalg.solve(stiffness + floor[..., None, None] * np.eye(n), force[..., None])[..., 0]
+    matrix = stiffness + (damping + floor)[..., None, None] * np.eye(n)
+    step = np.linalg.solve(matrix, force[..., None])[..., 0]
     return step * np.minimum(1.0, longest / np.maximum(_size(step), 1e-300))[..., None]
 
 
@@ -319,7 +322,7 @@ def _balance(system, position, near=None):
     """Return force (..., 3c) and stiffness (..., 3c, 3c) of the connect points, the size of forces there, the lines."""
     free = system._index["connect"]
     depth_in = np.maximum(-system.depth - position[..., free, 2], 0.0)
-    seated = depth_in > 0
+    seated = position[..., free, 2] <= -system.depth
     lifted = np.array(position)
     lifted[..., free, 2] += depth_in
     lines, basis, _ = _lines(system, lifted, near)

@@ -1,6 +1,7 @@
 """Mooring systems against MAP++ and MoorPy, closed forms of symmetric systems, and finite differences."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 
 from model.conventions import rotation, rotation_rate
 from model.system.catenary import catenary
-from model.system.mooring import MooringSystem, mooring_state
+from model.system.mooring import MooringSystem, force_offset_curve, line_profiles, mooring_state
 
 REST = np.zeros(6)
 
@@ -34,18 +35,118 @@ def spread(count=3, fairlead=(40.868, -14.0), anchor=(837.6, -200.0), first=60.0
     )
 
 
+def joined(count, points, lines, **change) -> MooringSystem:
+    """Equal groups of points (kind, radius, sideways, height, mass, volume) and lines (a, b, length, properties)."""
+    angle = np.radians(60 + 360 / count * np.arange(count))
+    names, kinds, places, masses, volumes, ends, rows = [], [], [], [], [], [], []
+    for i, phi in enumerate(angle):
+        turn = np.array([[np.cos(phi), -np.sin(phi), 0], [np.sin(phi), np.cos(phi), 0], [0, 0, 1]])
+        for j, (kind, *place, mass, volume) in enumerate(points):
+            names.append(f"{kind}{i + 1}{j + 1}")
+            kinds.append(kind)
+            places.append(turn @ place)
+            masses.append(mass)
+            volumes.append(volume)
+        for a, b, *values in lines:
+            ends.append((a + i * len(points), b + i * len(points)))
+            rows.append(values)
+    length, mass, diameter, stiffness, friction = np.array(rows, dtype=float).T
+    values = {
+        "point_names": names,
+        "point_kind": kinds,
+        "position": places,
+        "line_names": [f"line{i + 1}" for i in range(len(rows))],
+        "end_a": [a for a, _ in ends],
+        "end_b": [b for _, b in ends],
+        "length": length,
+        "mass_per_length": mass,
+        "diameter": diameter,
+        "axial_stiffness": stiffness,
+        "seabed_friction": friction,
+        "point_mass": masses,
+        "point_volume": volumes,
+        "depth": 200.0,
+        "gravity": 9.80665,
+        "density": 1025.0,
+    }
+    return MooringSystem(**(values | change))
+
+
+CHAIN, GROUND = (113.35, 0.0766, 753.6e6, 1.0), (300.0, 0.15, 1.5e9, 0.7)
+ROPE, NEUTRAL, FLOATING = (20.0, 0.15, 6e7, 0.0), (1025 * np.pi / 4 * 0.15**2, 0.15, 6e7, 0.0), (14.0, 0.16, 6e7, 0.0)
+TENDON = (1000.0, 0.6, 8e9, 0.0)
+ANCHOR, FAIRLEAD = ("fixed", 837.6, 0.0, -200.0, 0.0, 0.0), ("vessel", 40.868, 0.0, -14.0, 0.0, 0.0)
+SIDES = [("vessel", 40.0, y, -14.0, 0.0, 0.0) for y in (-10.0, 10.0)]
+
+# every kind of line and joint
+KINDS = {
+    "catenary": joined(3, [ANCHOR, FAIRLEAD], [(0, 1, 835.35, *CHAIN)]),
+    "uplift": joined(3, [ANCHOR, FAIRLEAD], [(0, 1, 822.0, *CHAIN)]),
+    "taut rope": joined(4, [("fixed", 300.0, 0, -200.0, 0, 0), FAIRLEAD], [(0, 1, 310.0, *ROPE)]),
+    "neutral rope": joined(4, [("fixed", 300.0, 0, -200.0, 0, 0), FAIRLEAD], [(0, 1, 310.0, *NEUTRAL)]),
+    "floating rope": joined(4, [("fixed", 300.0, 0, -200.0, 0, 0), FAIRLEAD], [(0, 1, 330.0, *FLOATING)]),
+    "tendons": joined(
+        3, [("fixed", 30.0, 0, -200.0, 0, 0), ("vessel", 30.0, 0, -30.0, 0, 0)], [(0, 1, 169.8, *TENDON)]
+    ),
+    "clump weight": joined(
+        3, [ANCHOR, ("connect", 240.0, 0, -120.0, 17e3, 2.0), FAIRLEAD], [(0, 1, 605.0, *CHAIN), (1, 2, 230.35, *CHAIN)]
+    ),
+    "chain and rope": joined(
+        3, [ANCHOR, ("connect", 240.0, 0, -120.0, 0, 0), FAIRLEAD], [(0, 1, 605.0, *GROUND), (1, 2, 225.0, *ROPE)]
+    ),
+    "delta lines": joined(
+        3,
+        [ANCHOR, ("connect", 95.0, 0, -40.0, 500.0, 0.1), *SIDES],
+        [(0, 1, 780.0, *CHAIN), (1, 2, 58.0, *CHAIN), (1, 3, 58.0, *CHAIN)],
+    ),
+    "buoy": joined(
+        3,
+        [ANCHOR, ("connect", 240.0, 0, -120.0, 0, 0), ("connect", 140.0, 0, -60.0, 2e3, 60.0), FAIRLEAD],
+        [(0, 1, 605.0, *CHAIN), (1, 2, 120.0, *ROPE), (2, 3, 115.0, *NEUTRAL)],
+    ),
+    "resting joint": joined(
+        3, [ANCHOR, ("connect", 637.0, 0, -200.0, 5e3, 1.0), FAIRLEAD], [(0, 1, 200.0, *CHAIN), (1, 2, 635.35, *CHAIN)]
+    ),
+    "lines on the vessel": joined(
+        3, [ANCHOR, FAIRLEAD, ("vessel", 20.0, 5.0, -5.0, 0, 0)], [(0, 1, 835.35, *CHAIN), (2, 1, 45.0, *CHAIN)]
+    ),
+    "line between free points": joined(
+        3,
+        [ANCHOR, ("connect", 97.0, -10.0, -45.0, 0, 0), ("connect", 97.0, 10.0, -45.0, 0, 0), *SIDES],
+        [
+            (0, 1, 780.0, *CHAIN),
+            (1, 2, 25.0, *CHAIN),
+            (0, 2, 780.0, *CHAIN),
+            (1, 3, 64.0, *CHAIN),
+            (4, 2, 64.0, *CHAIN),
+        ],
+    ),
+    "fairlead first": joined(3, [ANCHOR, FAIRLEAD], [(1, 0, 835.35, *CHAIN)]),
+    "sag on the seabed": joined(
+        3,
+        [ANCHOR, ("connect", 437.0, 0, -160.0, 3e3, 30.0), FAIRLEAD],
+        [(0, 1, 410.0, *CHAIN), (1, 2, 470.0, *CHAIN)],
+    ),
+}
 OC4 = spread()
 OPERATING = np.array([8.278, 0.0389, -0.038, *np.radians([0.20072, 3.3121, 0.0808])])
 
 
-def differences(system, offset, length_step=1e-3, angle_step=1e-5):
-    """-dF/dq, dT/dq and dTa/dq by central differences of second order with one Richardson step (error step^4)."""
-    steps = np.array([length_step] * 3 + [angle_step] * 3)
-    states = [mooring_state(system, offset + f * np.diag(steps)) for f in (-2, -1, 1, 2)]
+def differences(system, offset):
+    """-dF/dq, dT/dq and dTa/dq by central differences of fourth order.
+
+    Of three steps each entry takes the one whose second-order estimates at h and 2 h differ least: long steps meet the
+    kinks where a line lifts off or friction ends, short ones the rounding of positions (1e-13 m of some MN/m).
+    """
+    steps = np.array([3e-2] * 3 + [5e-4] * 3) * np.array([1, 0.2, 0.04])[:, None]
+    moves = np.array([-2, -1, 1, 2])[:, None, None, None] * (steps[:, :, None] * np.eye(6))
+    state = mooring_state(system, offset + moves)
     out = []
     for name in ("force", "fairlead_tension", "anchor_tension"):
-        a, b, c, d = (getattr(s, name) for s in states)
-        out.append(((a - d + 8 * (c - b)) / (12 * steps[:, None])).T)
+        a, b, c, d = getattr(state, name)
+        near, far = (c - b) / (2 * steps[..., None]), (d - a) / (4 * steps[..., None])
+        best = np.abs(near - far).argmin(axis=0)
+        out.append(np.take_along_axis((4 * near - far) / 3, best[None], axis=0)[0].T)
     return -out[0], out[1], out[2]
 
 
@@ -126,6 +227,109 @@ def test_slack_lines_only_weigh():
 
 
 OFFSETS = st.tuples(*[st.floats(-1, 1) for _ in range(6)]).map(lambda q: np.array(q) * [15, 15, 4, 0.2, 0.2, 0.4])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=8, deadline=None)
+@given(OFFSETS)
+def test_derivatives_of_every_kind(kind, offset):
+    """Stiffness and both tension gradients at rest and displaced, with the free points following."""
+    if kind == "tendons":
+        offset = offset * [1, 1, 0.02, 0.02, 0.02, 1]  # else they go slack
+    for q in (REST, offset):
+        check_derivatives(KINDS[kind], q)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_free_points_are_in_balance(kind):
+    """Force on the platform plus what the anchors and the seabed hold equals the weight of everything."""
+    system = KINDS[kind]
+    s = mooring_state(system, OPERATING * [1, 1, 1, 0.1, 0.1, 1])
+    free = np.array([k == "connect" for k in system.point_kind])
+    pull = np.zeros((len(free), 3))
+    way = s.point_position[system.end_b] - s.point_position[system.end_a]
+    along = way[:, :2] / np.maximum(np.hypot(way[:, 0], way[:, 1]), 1e-9)[:, None]
+    np.add.at(pull, system.end_a, np.column_stack([along * s.anchor_horizontal[:, None], s.anchor_vertical]))
+    np.add.at(pull, system.end_b, np.column_stack([-along * s.fairlead_horizontal[:, None], -s.fairlead_vertical]))
+    rest = (pull + system.point_load)[free]
+    size = s.fairlead_tension.max()
+    on_seabed = s.point_position[free, 2] <= -200
+    assert np.all(rest[on_seabed, 2] <= 0)  # the seabed carries these
+    rest[on_seabed, 2] = 0
+    assert np.abs(rest).max(initial=0) < 1e-9 * size
+    vessel = np.array([k == "vessel" for k in system.point_kind])
+    np.testing.assert_allclose(s.force[:3], pull[vessel].sum(axis=0), atol=1e-9 * size)
+
+
+@pytest.mark.parametrize("kind", ["clump weight", "delta lines", "buoy", "resting joint", "sag on the seabed"])
+@settings(max_examples=5, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_the_equilibrium_does_not_depend_on_where_one_starts(kind, seed):
+    """The energy is convex, so there is one equilibrium; found from joints thrown about by a hundred metres."""
+    system = KINDS[kind]
+    rng = np.random.default_rng(seed)
+    start = system.position + rng.normal(size=(20,) + system.position.shape) * 100
+    found, known = mooring_state(system, np.zeros((20, 6)), start), mooring_state(system, REST)
+    np.testing.assert_allclose(found.point_position, np.broadcast_to(known.point_position, start.shape), atol=1e-6)
+    np.testing.assert_allclose(
+        found.fairlead_tension, np.broadcast_to(known.fairlead_tension, (20, len(system.length))), rtol=1e-8
+    )
+
+
+@pytest.mark.parametrize("friction", [0.0, 1.0])
+@pytest.mark.parametrize("cut", [150.0, 230.0, 400.0, 700.0])
+def test_cutting_a_line_in_two_changes_nothing(cut, friction):
+    """A weightless joint, hanging or on the seabed, leaves forces, stiffness and tension as they were.
+
+    With friction a joint on the seabed may turn sideways as the rest of the grounded line may not: no stiffness then.
+    """
+    one = spread(seabed_friction=friction)
+    s = mooring_state(one, OPERATING)
+    radius, _, height = [np.interp(cut, np.linspace(0, 835.35, 4001), c) for c in line_profiles(one, s, 4001)[0][1].T]
+    points = [ANCHOR, ("connect", abs(radius), 0.0, max(height, -200.0), 0.0, 0.0), FAIRLEAD]
+    chain = (*CHAIN[:3], friction)
+    two = joined(3, points, [(0, 1, cut, *chain), (1, 2, 835.35 - cut, *chain)])
+    t = mooring_state(two, OPERATING)
+    # 1e-7: the tension of a joint in balance to 1e-13 m of a chain of 4 MN/m
+    np.testing.assert_allclose(t.force, s.force, rtol=1e-7)
+    np.testing.assert_allclose(t.fairlead_tension[1::2], s.fairlead_tension, rtol=1e-7)
+    np.testing.assert_allclose(t.anchor_tension[::2], s.anchor_tension, rtol=1e-7)
+    if friction == 0:
+        np.testing.assert_allclose(t.stiffness, s.stiffness, atol=1e-7 * np.abs(s.stiffness).max())
+        gradient = s.tension_gradient
+        np.testing.assert_allclose(t.tension_gradient[1::2], gradient, atol=1e-6 * np.abs(gradient).max())
+
+
+@pytest.mark.parametrize("count", [3, 4, 6])
+@pytest.mark.parametrize("reach", [0.0, 60.0, 220.0])
+def test_symmetric_taut_system_has_the_closed_form(count, reach):
+    """n weightless lines at inclination a, with tension T, length L', spring K = EA / L, fairlead radius R, depth D:
+
+    K11 = n/2 (T/L' (1 + sin^2) + K cos^2), K33 = n (K sin^2 + T/L' cos^2), K66 = n T R / L' (R + L' cos),
+    K15 = -n (T/2L' (D + D sin^2 + R sin cos) + K/2 (D cos^2 - R sin cos)),
+    K55 = n (T (D sin + R cos / 2) + T/2L' ((R cos + D sin)^2 + D^2) + K/2 (D cos - R sin)^2);
+    vertical (reach 0): n T/L', n K, n T R^2 / L', -n T D / L', n (T D^2 / L' + K R^2 / 2 + T D).
+    """
+    r, d, height, ea = 30.0, 20.0, 180.0, 1e9
+    chord = np.hypot(reach, height)
+    length = chord / 1.002
+    points = [("fixed", r + reach, 0.0, -200.0, 0, 0), ("vessel", r, 0.0, -d, 0, 0)]
+    s = mooring_state(joined(count, points, [(0, 1, length, *NEUTRAL[:2], ea, 0.0)]), REST)
+    spring, tension, sine, cosine = ea / length, 0.002 * ea, height / chord, reach / chord
+    across, n = tension / chord, count
+    expected = np.zeros((6, 6))
+    expected[0, 0] = expected[1, 1] = n / 2 * (across * (1 + sine**2) + spring * cosine**2)
+    expected[2, 2] = n * (spring * sine**2 + across * cosine**2)
+    shear = across / 2 * (d + d * sine**2 + r * sine * cosine) + spring / 2 * (d * cosine**2 - r * sine * cosine)
+    expected[0, 4] = expected[4, 0] = -n * shear
+    expected[1, 3] = expected[3, 1] = n * shear
+    lean = across / 2 * ((r * cosine + d * sine) ** 2 + d**2) + spring / 2 * (d * cosine - r * sine) ** 2
+    expected[3, 3] = expected[4, 4] = n * (tension * (d * sine + r * cosine / 2) + lean)
+    expected[5, 5] = n * across * r * (r + chord * cosine)
+    np.testing.assert_allclose(s.fairlead_tension, tension, rtol=1e-9)
+    np.testing.assert_allclose(s.stiffness, expected, atol=1e-9 * expected[4, 4])
+    np.testing.assert_allclose(s.stiffness[:3, :3], expected[:3, :3], atol=1e-9 * expected[2, 2])
+    np.testing.assert_allclose(s.force[2], -n * tension * sine, rtol=1e-9)
 
 
 @settings(max_examples=40, deadline=None)
@@ -210,6 +414,13 @@ def test_agrees_with_moorpy(offset):
     check_against_moorpy(spread(seabed_friction=0.0), offset)
 
 
+@pytest.mark.parametrize("kind", ["clump weight", "tendons", "delta lines", "uplift"])
+@pytest.mark.parametrize("surge", [1.0, 5.0])  # MoorPy rounds off lines that are vertical to 1e-4
+def test_joints_and_tendons_agree_with_moorpy(kind, surge):
+    system = replace(KINDS[kind], seabed_friction=np.zeros(len(KINDS[kind].length)))
+    check_against_moorpy(system, np.array([surge, 0, 0, 0, 0, 0]))
+
+
 @pytest.mark.parametrize("surge", [0.0, 5.0])
 def test_friction_agrees_with_the_catenary_of_moorpy(surge):
     """Its catenary function knows friction; the upwind line, moved along its own direction."""
@@ -228,6 +439,61 @@ def test_many_offsets_at_once_equal_one_by_one():
     assert together.stiffness.shape == (4, 5, 6, 6)
     for name in ("force", "stiffness", "tension_gradient", "grounded_length", "point_position"):
         np.testing.assert_allclose(getattr(together, name)[2, 3], getattr(alone, name), rtol=1e-10, atol=1e-3)
+
+
+def test_designs_at_once_equal_one_by_one():
+    """Leading axes on lengths and positions, against offsets on an axis of their own."""
+    system = KINDS["clump weight"]
+    longer = system.length + np.array([0.0, 1.0, -2.0])[:, None]
+    deeper = np.array(np.broadcast_to(system.position, (3, *system.position.shape)))
+    deeper[1, 2::3, 2] -= 3.0
+    offsets = np.stack([REST, OPERATING])
+    together = mooring_state(replace(system, length=longer, position=deeper), offsets[:, None])
+    assert together.stiffness.shape == (2, 3, 6, 6)
+    for i in range(2):
+        for j in range(3):
+            alone = mooring_state(replace(system, length=longer[j], position=deeper[j]), offsets[i])
+            np.testing.assert_allclose(together.force[i, j], alone.force, rtol=1e-9, atol=1)
+            np.testing.assert_allclose(together.tension_gradient[i, j], alone.tension_gradient, rtol=1e-6, atol=1)
+
+
+def test_force_offset_curve_is_the_work_of_the_stiffness():
+    """Starts at zero, its slope is K11 and it grows faster than linearly; the force is that of mooring_state."""
+    offsets = np.linspace(-10, 10, 41)
+    force, state = force_offset_curve(OC4, 0.0, offsets)
+    assert force[20] == pytest.approx(0, abs=1e-3)
+    # one line alone is stretched; Simpson's rule on the stiffness
+    slope = state.stiffness[:, 0, 0]
+    area = (offsets[1] - offsets[0]) / 3 * (slope[20] + 4 * slope[21:40:2].sum() + 2 * slope[22:40:2].sum() + slope[40])
+    assert force[40] == pytest.approx(area, rel=1e-4)
+    assert force[40] > 10 * slope[20] > -force[0]
+    yaw, state = force_offset_curve(OC4, [0, 0, 0, 0, 0, 1], [0.01])
+    assert yaw == pytest.approx(0.01 * mooring_state(OC4, REST).stiffness[5, 5], rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_profiles_run_from_end_to_end(kind):
+    """Shapes join the points, stay above the seabed where lines feel it, and carry the end tensions."""
+    system = KINDS[kind]
+    s = mooring_state(system, OPERATING * [1, 1, 1, 0.1, 0.1, 1])
+    shape, tension = line_profiles(system, s, 201)
+    assert shape.shape == (len(system.length), 201, 3)
+    np.testing.assert_allclose(shape[:, 0], s.point_position[system.end_a], atol=1e-6)
+    np.testing.assert_allclose(shape[:, -1], s.point_position[system.end_b], atol=1e-6)
+    np.testing.assert_allclose(tension[:, 0], s.anchor_tension, rtol=1e-8, atol=1e-3)
+    np.testing.assert_allclose(tension[:, -1], s.fairlead_tension, rtol=1e-8, atol=1e-3)
+    if np.all(system.weight_per_length > 0):
+        assert shape[..., 2].min() >= -200 - 1e-6
+
+
+def test_uplift_angle_at_the_anchor():
+    """A line clear of the seabed pulls the anchor up by what its weight leaves of the fairlead's vertical force."""
+    system = KINDS["uplift"]
+    s = mooring_state(system, REST)
+    up = s.fairlead_vertical - system.weight_per_length * system.length
+    assert np.all(up > 0)
+    np.testing.assert_allclose(s.anchor_vertical, up, rtol=1e-9)
+    np.testing.assert_allclose(np.tan(s.anchor_uplift_angle), up / s.fairlead_horizontal, rtol=1e-9)
 
 
 def test_one_offset_is_quick():

@@ -1,0 +1,162 @@
+"""What the readers of hydrodynamic coefficients share: fast number tables, phase references, sanity checks, a description."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+
+from fowtio.errors import FormatError
+from fowtio.read.text import number_rows
+from model.conventions import PLATFORM_DOFS, move_matrix, weight_stiffness
+from model.system.hydro import HydroCoefficients
+
+
+def number_table(
+    path: str | Path, lines: Sequence[str], first: int, widths: Sequence[int], what: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the numbers (rows, widest) of consecutive table lines and their line numbers (rows).
+
+    Blank lines are passed over; a row shorter than the widest ends in NaN. first is the line number (from 1) of lines[0],
+    widths the allowed numbers of columns, what names a row in the message. Raises FormatError at the first bad line.
+    """
+    tokens = [line.split() for line in lines]
+    count = np.fromiter(map(len, tokens), dtype=int, count=len(tokens))
+    where = first + np.flatnonzero(count)
+    count = count[count > 0]
+    if len(count) == 0:
+        raise FormatError(path, expected=what, found="no row")
+    flat = _plain_numbers(tokens) if np.all(np.isin(count, widths)) else None
+    if flat is None:  # the slow way: mends Fortran's spellings, or says where the bad line is
+        rows = number_rows(Path(path), lines, first, widths, what)
+        count = np.array([len(row) for row in rows])
+        flat = np.array(list(chain.from_iterable(rows)))
+    table = np.full((len(count), max(count)), np.nan)
+    table[np.arange(table.shape[1]) < count[:, None]] = flat
+    return table, where
+
+
+def _plain_numbers(tokens: list[list[str]]) -> np.ndarray | None:
+    """Return the numbers of all tokens, or None when one is not a plain finite number."""
+    flat = list(chain.from_iterable(tokens))
+    try:
+        values = np.fromiter(map(float, flat), dtype=float, count=len(flat))
+    except ValueError:
+        return None
+    return values if np.all(np.isfinite(values)) and "_" not in "".join(flat) else None
+
+
+def phase_to_origin(force: np.ndarray, heading, wavenumber, point) -> np.ndarray:
+    """Return forces (m, n, 6) that refer to a crest at `point` (x, y, ...) [m], referred to a crest at the origin.
+
+    heading (m) [rad]; wavenumber (n) [1/m]; convention e^{+i omega t}.
+    """
+    heading = np.asarray(heading)[:, None]
+    path = np.cos(heading) * point[0] + np.sin(heading) * point[1]
+    return force * np.exp(-1j * np.asarray(wavenumber) * path)[..., None]
+
+
+def stiffness_about(stiffness, centre, point, displaced_weight: float) -> np.ndarray:
+    """Return a buoyancy stiffness (6, 6), known about `centre` (3) [m], about `point` (3) [m].
+
+    The displaced weight [N] acts upwards through the body, so the moment about a point moves with the point; about a
+    point below, the roll and pitch stiffness is larger by the weight times the distance.
+    """
+    offset = np.asarray(point, dtype=float) - np.asarray(centre, dtype=float)
+    return move_matrix(stiffness, offset) + weight_stiffness(displaced_weight, offset, 1.0)
+
+
+def without_weight(stiffness, mass: float, centre, point, gravity: float) -> np.ndarray:
+    """Return the buoyancy part of a hydrostatic stiffness (6, 6) about `point` that includes the weight of a mass at `centre`."""
+    return np.asarray(stiffness) - weight_stiffness(
+        mass, np.asarray(centre, dtype=float) - np.asarray(point, dtype=float), gravity
+    )
+
+
+def check_limits(path, added_mass: np.ndarray, zero, infinite) -> None:
+    """Raise FormatError when the zero- and infinite-frequency added mass are plainly in each other's place.
+
+    added_mass (n, 6, 6) ascending in frequency; the heave element is compared where the three agree least.
+    """
+    if zero is None or infinite is None or len(added_mass) < 2:
+        return
+
+    def distance(a, b):
+        return np.linalg.norm(np.diagonal(a - b)[:3])
+
+    low, high = added_mass[0], added_mass[-1]
+    straight = distance(zero, low) + distance(infinite, high)
+    crossed = distance(zero, high) + distance(infinite, low)
+    if crossed < 0.2 * straight:
+        raise FormatError(
+            path, expected="the zero-frequency added mass near that of the lowest frequency",
+            found="it near that of the highest, and the infinite-frequency one near the lowest",
+            hint="The rows of zero and infinite frequency look exchanged",
+        )  # fmt: skip
+
+
+def check_damping(path, damping: np.ndarray, omega: np.ndarray) -> None:
+    """Raise FormatError when a diagonal radiation damping (n, 6, 6) is far below zero: it must not be negative.
+
+    A few per cent of the largest are allowed (irregular frequencies and coarse meshes give that).
+    """
+    diagonal = np.diagonal(damping, axis1=1, axis2=2)
+    wrong = diagonal < -0.2 * np.abs(diagonal).max(axis=0) - 1e-9 * np.abs(damping).max()
+    if np.any(wrong):
+        n, mode = np.argwhere(wrong)[0]
+        raise FormatError(
+            path, expected=f"a radiation damping in {PLATFORM_DOFS[mode]} that is not negative",
+            found=f"{diagonal[n, mode]:.4g} at {omega[n]:.4g} rad/s", hint="Is the sign or the column order that of this format?",
+        )  # fmt: skip
+
+
+def choose_body(path, wanted, names: Sequence, what: str = "body") -> int:
+    """Return the place (from 0) of the wanted body among names (a name, or a number from 1); the only one by default."""
+    names = [str(name) for name in names]
+    listing = ", ".join(f"{k + 1}: {name}" if name != str(k + 1) else name for k, name in enumerate(names))
+    if wanted is None:
+        if len(names) == 1:
+            return 0
+        raise FormatError(
+            path, expected=f"one {what}", found=f"{len(names)}: {listing}", hint=f"Choose with body=... ({listing})"
+        )
+    if isinstance(wanted, str) and wanted in names:
+        return names.index(wanted)
+    if not isinstance(wanted, str) and 1 <= wanted <= len(names):
+        return int(wanted) - 1
+    raise FormatError(path, expected=f"{what} {wanted}", found=listing, hint="Choose one of these")
+
+
+def describe_hydro(hydro: HydroCoefficients) -> list[tuple[str, str]]:
+    """Return what a set of coefficients holds, as (label, text) rows."""
+    depth = "infinite" if np.isinf(hydro.depth) else f"{hydro.depth:g} m"
+    have = [("zero", hydro.added_mass_zero), ("infinite", hydro.added_mass_infinite)]
+    limits = " and ".join(name for name, value in have if value is not None) or "neither zero nor infinite"
+    omega = hydro.omega
+    rows = [
+        (
+            "frequencies",
+            f"{len(omega)}, {omega[0]:.4g} to {omega[-1]:.4g} rad/s; limits: {limits}" if len(omega) else "none",
+        ),
+        ("convention", "SI, Re{X e^{+i omega t}}, crest at the origin, headings towards, counter-clockwise from +x"),
+        ("reference point", "({:g}, {:g}, {:g}) m".format(*hydro.reference_point)),
+        ("water", f"{hydro.density:g} kg/m3, g {hydro.gravity:g} m/s2, depth {depth}"),
+    ]
+    if hydro.excitation is not None:
+        angle = np.degrees(hydro.heading)
+        rows.insert(1, ("headings", f"{len(angle)}, {angle[0]:.4g} to {angle[-1]:.4g} deg"))
+    else:
+        rows.insert(1, ("excitation", "none"))
+    if hydro.hydrostatic_stiffness is not None:
+        c = hydro.hydrostatic_stiffness
+        rows.append(
+            (
+                "hydrostatic stiffness",
+                f"heave {c[2, 2]:.5g} N/m, roll {c[3, 3]:.5g}, pitch {c[4, 4]:.5g} N m/rad, without weight",
+            )
+        )
+    if hydro.volume is not None:
+        rows.append(("displaced volume", f"{hydro.volume:.6g} m3"))
+    return rows
