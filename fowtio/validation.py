@@ -202,3 +202,11 @@ def _resonance(model: Model, point: OperatingPoint, reference: np.ndarray, f: np
     heights = [reference[(f > 0.85 * n) & (f < 1.15 * n)].max(initial=0.0) for n in natural]
     best = natural[int(np.argmax(heights))]
     return 0.75 * best, 1.25 * best
+
+
+def write_validation(model: Model, found: list[Validation], folder, *, progress: Callable[[str], None] = lambda text: None) -> list:
+    """Write the comparison as a workbook and the RAO figures as PNG and SVG; return the files written."""
+    from fowtio.write.validation import write_comparison
+
+    progress("writing the comparison")
+    return write_comparison(model, found, folder)

@@ -5,6 +5,8 @@ Source of the format: MAP++ documentation (input file and line flags), Masciola,
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,9 +17,16 @@ from fowtio.read.openfast_input import tokens
 from fowtio.read.text import number, read_lines
 from model.system.mooring import MooringSystem
 
-_SECTIONS = {"line dictionary": "dictionary", "node properties": "nodes", "line properties": "lines", "solver options": "options"}
+_SECTIONS = {
+    "line dictionary": "dictionary", "line types": "dictionary", "node properties": "nodes", "line properties": "lines",
+    "solver options": "options",
+}  # fmt: skip
 _KINDS = {"fix": "fixed", "fixed": "fixed", "vessel": "vessel", "connect": "connect"}
 _COLUMNS = {"dictionary": 5, "nodes": 10, "lines": 5}
+_REFUSED_FLAGS = {
+    "linear_spring": "lines are elastic catenaries here", "omit_contact": "every line feels the seabed here",
+    "damage_time": "lines do not break here",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -37,53 +46,90 @@ def read_map(path: str | Path) -> MapFile:
     for i, line in enumerate(read_lines(path), start=1):
         text = line.strip()
         if text.startswith("---"):
-            title = text.strip("- ").lower()
-            section = next((s for key, s in _SECTIONS.items() if title.startswith(key)), None)
-            heading = 0
+            section, heading = _SECTIONS.get(_title(text)), 0
             continue
         if not text or text.startswith("!") or section is None:
             continue
         heading += 1
-        if heading > 2 or (section == "options" and heading > 1 and not text.startswith("(")):
+        if heading == 2 and not text.startswith("("):
+            raise FormatError(path, i, expected="a line of units in brackets below the column names", found=text)
+        if heading > 2:
             rows[section].append((i, tokens(line.split("!")[0])))
-    for name in ("dictionary", "nodes", "lines"):
+    for name, width in _COLUMNS.items():
         if not rows[name]:
             raise FormatError(path, expected=f"rows in the section of {name} of a MAP++ file", found="none")
         for i, row in rows[name]:
-            if len(row) < _COLUMNS[name]:
-                raise FormatError(path, i, expected=f"at least {_COLUMNS[name]} columns in the section of {name}", found=" ".join(row))
+            if len(row) < width:
+                raise FormatError(path, i, expected=f"at least {width} columns in the section of {name}", found=" ".join(row))
     repeat = tuple(_number(path, i, t) for i, row in rows["options"] if row[0].lower() == "repeat" for t in row[1:])
     return MapFile(path=path, rows=rows, repeat=repeat)
 
 
+def _title(text: str) -> str:
+    """Return the known section whose name begins a rule, or the rule's own title."""
+    title = " ".join(text.strip("- ").lower().split())
+    return next((name for name in _SECTIONS if title.startswith(name)), title)
+
+
 def map_mooring(file: MapFile, *, depth: float, gravity: float, density: float) -> MooringSystem:
-    """Return the mooring system of a MAP++ file; depth [m], gravity [m/s2] and water density [kg/m3] from the deck."""
+    """Return the mooring system of a MAP++ file; depth [m], gravity [m/s2] and water density [kg/m3] from the deck.
+
+    Lines are named 1, 2, ... in the order of MAP++'s tensions T[1], T[2], ...; raise FormatError, also for what fowtio does
+    not model (line flags LINEAR_SPRING, OMIT_CONTACT and DAMAGE_TIME, lengths or masses to be found by iteration).
+    """
     path = file.path
+    _once(path, file.rows["dictionary"], "line type")
+    _once(path, file.rows["nodes"], "node")
     kinds = {row[0].lower(): (i, row) for i, row in file.rows["dictionary"]}
-    ids, points = [], []
-    for i, row in file.rows["nodes"]:
-        kind = _KINDS.get(row[1].lower())
-        if kind is None:
-            raise FormatError(path, i, expected="Fix, Vessel or Connect", found=row[1])
-        place = [-depth if v.lower().lstrip("#") == "depth" else _number(path, i, v.lstrip("#") or "0") for v in row[2:5]]
-        extra = [_number(path, i, v.lstrip("#") or "0") for v in row[5:10]]
-        ids.append(row[0])
-        points.append((kind, np.array(place), extra[0], extra[1], np.array(extra[2:5]) * (kind == "connect")))
-    lines = []
-    for i, row in file.rows["lines"]:
-        if row[1].lower() not in kinds:
-            raise FormatError(path, i, expected="a line type of the dictionary", found=row[1])
-        for k in (3, 4):
-            if row[k] not in ids:
-                raise FormatError(path, i, expected="a node of the node table", found=row[k])
-        at, kind = kinds[row[1].lower()]
-        diameter, mass, stiffness, friction = (_number(path, at, v) for v in kind[1:5])
-        lines.append((row[0], ids.index(row[3]), ids.index(row[4]), _number(path, i, row[2]), mass, diameter, stiffness, friction))
+    ids = [row[0] for _, row in file.rows["nodes"]]
+    points = [_node(path, i, row, depth) for i, row in file.rows["nodes"]]
+    lines = [_line(path, i, row, kinds, ids) for i, row in file.rows["lines"]]
     angles = (0.0, *file.repeat)
     try:
         return _repeated(points, ids, lines, np.radians(angles), depth, gravity, density)
     except ValueError as error:
         raise FormatError(path, expected="a mooring system that can be", hint=str(error)) from None
+
+
+def _once(path: Path, rows: Sequence, what: str) -> None:
+    count = Counter(row[0].lower() for _, row in rows)
+    for i, row in reversed(rows):
+        if count[row[0].lower()] > 1:
+            raise FormatError(path, i, expected=f"every {what} once", found=f"{row[0]} {count[row[0].lower()]} times")
+
+
+def _node(path: Path, i: int, row: list[str], depth: float) -> tuple:
+    """Return kind, position, mass, volume and force of one node."""
+    kind = _KINDS.get(row[1].lower())
+    if kind is None:
+        raise FormatError(path, i, expected="Fix, Vessel or Connect", found=row[1])
+    place = [-depth if v.lower().lstrip("#") == "depth" else _number(path, i, v.lstrip("#") or "0") for v in row[2:5]]
+    extra = [_number(path, i, v.lstrip("#") or "0") for v in row[5:10]]
+    marked = [v for v in row[5:10] if v.startswith("#")]
+    if kind == "connect" and marked:
+        raise FormatError(path, i, expected="numbers for mass, volume and forces of a Connect node", found=" ".join(marked))
+    if kind == "vessel" and (extra[0] or extra[1]):
+        raise FormatError(
+            path, i, expected="mass 0 and volume 0 of a Vessel node", found=" ".join(row[5:7]), hint="Count them in the platform's mass",
+        )  # fmt: skip
+    return kind, np.array(place), extra[0], extra[1], np.array(extra[2:5]) * (kind == "connect")
+
+
+def _line(path: Path, i: int, row: list[str], kinds: dict, ids: list[str]) -> tuple:
+    """Return name, ends, length, mass per length, diameter, axial stiffness and seabed friction of one line."""
+    if row[1].lower() not in kinds:
+        raise FormatError(path, i, expected="a line type of the dictionary", found=row[1], hint=f"Known: {', '.join(kinds)}")
+    for k in (3, 4):
+        if row[k] not in ids:
+            raise FormatError(path, i, expected="a node of the node table", found=row[k])
+    for flag in row[5:]:
+        if flag.lower() in _REFUSED_FLAGS:
+            raise FormatError(path, i, expected="line flags that fowtio models", found=flag, hint=_REFUSED_FLAGS[flag.lower()].capitalize())
+    if row[2].startswith("#"):
+        raise FormatError(path, i, expected="an unstretched length", found=row[2], hint="A length to be found by iteration is not modelled")
+    at, kind = kinds[row[1].lower()]
+    diameter, mass, stiffness, friction = (_number(path, at, v) for v in kind[1:5])
+    return row[0], ids.index(row[3]), ids.index(row[4]), _number(path, i, row[2]), mass, diameter, stiffness, friction
 
 
 def _repeated(points, ids, lines, angles, depth, gravity, density) -> MooringSystem:

@@ -71,13 +71,15 @@ class Equilibrium:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Modes:
     """Natural modes: name (k) of the degree of freedom that leads, frequency (k) [rad/s], damping_ratio (k), shape (q, k)
-    complex, largest motion 1 after rotations are scaled by `lever` metres.
+    complex, largest motion 1 after rotations are scaled by `lever` metres. frequency_infinite (k) is what the mode would
+    have with the infinite-frequency added mass, as a linearisation without radiation memory sees it.
     """
 
     names: tuple[str, ...]
     frequency: np.ndarray
     damping_ratio: np.ndarray
     shape: np.ndarray
+    frequency_infinite: np.ndarray
 
 
 def assemble(
@@ -194,10 +196,11 @@ def natural_modes(system: System, mean: Equilibrium, drag_damping=None, *, lever
         shapes.append(shape)
     values, shapes = np.array(values), np.array(shapes).T
     order = np.argsort(np.abs(values))
-    values, shapes = values[order], shapes[:, order]
+    values, shapes, start = values[order], shapes[:, order], start[order]
     names = _names(system.dofs, shapes * scale[:, None], values, mean, system)
     size = (shapes * scale[:, None])[np.argmax(np.abs(shapes * scale[:, None]), axis=0), np.arange(len(values))]
-    return Modes(names=names, frequency=np.abs(values), damping_ratio=-values.real / np.abs(values), shape=shapes / size)
+    return Modes(names=names, frequency=np.abs(values), damping_ratio=-values.real / np.abs(values), shape=shapes / size,
+                 frequency_infinite=start)  # fmt: skip
 
 
 def _undamped_modes(system: System, mean: Equilibrium, here, inner) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from model.conventions import rotation, rotation_rate
@@ -141,6 +141,14 @@ def differences(system, offset):
     steps = np.array([3e-2] * 3 + [5e-4] * 3) * np.array([1, 0.2, 0.04])[:, None]
     moves = np.array([-2, -1, 1, 2])[:, None, None, None] * (steps[:, :, None] * np.eye(6))
     state = mooring_state(system, offset + moves)
+    lying = state.grounded_length > 0
+    ways = (
+        lying,
+        lying & (state.fairlead_horizontal > 0),
+        state.anchor_tension > 0,
+        state.point_position[..., 2] <= -200,
+    )
+    assume(all(np.all(way[:, 2] == way[:1, 2, :1]) for way in ways))  # no kink within millimetres
     out = []
     for name in ("force", "fairlead_tension", "anchor_tension"):
         a, b, c, d = getattr(state, name)
@@ -151,15 +159,17 @@ def differences(system, offset):
 
 
 def check_derivatives(system, offset, tolerance=1e-6):
-    """Compare block by block, so that rotations (large in N m/rad) do not hide translations."""
+    """Compare block by block, so that rotations (in N m and per rad) do not hide translations.
+
+    An entry per radian that nearly vanishes is held to that of a metre: a turn of 1 rad moves points by metres.
+    """
     state = mooring_state(system, offset)
-    exact = (state.stiffness, state.tension_gradient, state.anchor_tension_gradient)
-    for analytic, numeric in zip(exact, differences(system, offset), strict=True):
-        rows = ([slice(0, 3), slice(3, 6)]) if len(analytic) == 6 and analytic is exact[0] else [slice(None)]
-        for row in rows:
-            for column in (slice(0, 3), slice(3, 6)):
-                size = max(np.abs(analytic[row, column]).max(), 1.0)
-                np.testing.assert_allclose(numeric[row, column], analytic[row, column], atol=tolerance * size)
+    exact = (state.stiffness[:3], state.stiffness[3:], state.tension_gradient, state.anchor_tension_gradient)
+    force, *tensions = differences(system, offset)
+    for analytic, numeric in zip(exact, (force[:3], force[3:], *tensions), strict=True):
+        for column in (slice(0, 3), slice(3, 6)):
+            size = max(np.abs(analytic[:, column]).max(), np.abs(analytic[:, :3]).max(), 1.0)
+            np.testing.assert_allclose(numeric[:, column], analytic[:, column], atol=tolerance * size)
 
 
 def test_tensions_match_map_at_rest_and_at_the_operating_point():
@@ -230,7 +240,7 @@ OFFSETS = st.tuples(*[st.floats(-1, 1) for _ in range(6)]).map(lambda q: np.arra
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(OFFSETS)
 def test_derivatives_of_every_kind(kind, offset):
     """Stiffness and both tension gradients at rest and displaced, with the free points following."""

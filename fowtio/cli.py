@@ -1,0 +1,176 @@
+"""The command line: thin sub-commands over the workflow; errors without tracebacks; JSON on request."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(
+    name="fowtio", add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False,
+    help="Frequency-domain model of a floating wind turbine, read from its OpenFAST deck.",
+)  # fmt: skip
+
+CASE = Annotated[Path, typer.Argument(help="study file (.fowt) or OpenFAST primary file (.fst)", show_default=False)]
+OUT = Annotated[Path | None, typer.Option("-o", "--out", help="folder for results", show_default=False)]
+JSON = Annotated[bool, typer.Option("--json", help="one JSON document on standard output, nothing else there")]
+QUIET = Annotated[bool, typer.Option("--quiet", help="no progress and no notes")]
+VERBOSE = Annotated[bool, typer.Option("--verbose", help="tracebacks for errors inside fowtio")]
+EXIT_INPUT, EXIT_CHECK = 1, 3
+
+
+@app.command()
+def init(
+    folder: Annotated[Path, typer.Argument(help="a new or empty folder", show_default=False)],
+    quiet: QUIET = False, json: JSON = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Write a study to start from: the embedded OC4 semisubmersible with its deck and linearisations."""
+    from fowtio.start import copy_embedded_case
+
+    study = copy_embedded_case(folder)
+    if json:
+        _print_json({"study": str(study)})
+    elif not quiet:
+        print(f"{study}\nnext: fowtio check {study}    fowtio run {study}")
+
+
+@app.command()
+def run(
+    case: CASE, out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+    figures: Annotated[bool, typer.Option(help="draw figures and write the report")] = True,
+) -> None:  # fmt: skip
+    """The main job: model, natural periods, RAOs, responses and loads; tables, figures, report."""
+    from fowtio import report_data, terminal
+    from fowtio.case import load
+    from fowtio.workflow import build, loads, solve_states
+    from fowtio.write.results import write_results
+
+    with terminal.Progress(quiet=quiet or json) as say:
+        study = load(case)
+        model = build(study, progress=say)
+        results = loads(solve_states(model, progress=say), study.options.duration)
+        folder = out or Path("results") / case.stem
+        files = write_results(model, results, folder, figures=figures, report=figures, progress=say)
+    if json:
+        _print_json(report_data.run_json(model, results, folder, files))
+    elif not quiet:
+        terminal.show_run(model, results, folder, files)
+
+
+@app.command()
+def check(
+    path: Annotated[Path, typer.Argument(help="study, deck, or any single file fowtio reads", show_default=False)],
+    json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Read everything, say what was understood and who contributes what; change nothing."""
+    from fowtio import report_data, terminal
+    from fowtio.case import SUFFIX, load
+
+    if path.suffix.lower() not in (SUFFIX, ".fst"):
+        from fowtio.read import describe
+
+        rows = describe(path)
+        if json:
+            _print_json({"file": str(path), **{label: text for label, text in rows}})
+        else:
+            terminal.show_rows(str(path), rows)
+        return
+    from fowtio.workflow import build
+
+    with terminal.Progress(quiet=quiet or json) as say:
+        model = build(load(path), progress=say, speeds=report_data.all_speeds(load(path)))
+    if json:
+        _print_json(report_data.check_json(model))
+    else:
+        terminal.show_check(model)
+
+
+@app.command()
+def modes(
+    case: CASE, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+    wind_speed: Annotated[float | None, typer.Option(help="m/s; by default every wind speed of the states", show_default=False)] = None,
+) -> None:  # fmt: skip
+    """Natural periods, damping and shapes about the mean offset."""
+    from fowtio import report_data, terminal
+    from fowtio.case import load
+    from fowtio.workflow import build
+
+    with terminal.Progress(quiet=quiet or json) as say:
+        model = build(load(case), progress=say, speeds=None if wind_speed is None else [wind_speed])
+    if json:
+        _print_json(report_data.modes_json(model))
+    else:
+        terminal.show_modes(model)
+
+
+@app.command()
+def validate(
+    case: CASE, out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Compare RAOs and standard deviations with the reference time series that the study names."""
+    from fowtio import report_data, terminal
+    from fowtio.case import load
+    from fowtio.errors import CaseError, Problem
+    from fowtio.validation import validate as compare
+    from fowtio.validation import write_validation
+    from fowtio.workflow import build
+
+    study = load(case)
+    if not study.references:
+        raise CaseError([Problem("the study names no reference time series (table NRef)", case)])
+    with terminal.Progress(quiet=quiet or json) as say:
+        model = build(study, progress=say)
+        found = [compare(model, reference, progress=say) for reference in study.references]
+        files = write_validation(model, found, out or Path("results") / f"{case.stem}_validation", progress=say)
+    if json:
+        _print_json(report_data.validation_json(found, files))
+    elif not quiet:
+        terminal.show_validation(found, files)
+    if not all(v.passed for v in found):
+        raise typer.Exit(EXIT_CHECK)
+
+
+@app.command()
+def bench(case: CASE, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False) -> None:
+    """Time the model on this machine: reading, one evaluation, loads."""
+    from fowtio import terminal
+    from fowtio.bench import time_case
+
+    rows = time_case(case)
+    if json:
+        _print_json({"timings_s": dict(rows), "units": {"timings_s": "s"}})
+    else:
+        terminal.show_rows(f"timings of {case}", [(name, f"{seconds * 1e3:9.2f} ms") for name, seconds in rows])
+
+
+def main() -> None:
+    """Run the command line; say what is wrong without a traceback and exit with 1."""
+    from fowtio.errors import FowtioError
+
+    try:
+        app()
+    except FowtioError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(EXIT_INPUT)
+    except KeyboardInterrupt:
+        print("interrupted; nothing was written", file=sys.stderr)
+        sys.exit(130)
+    except OSError as error:
+        print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
+        sys.exit(EXIT_INPUT)
+    except Exception as error:
+        if "--verbose" in sys.argv:
+            raise
+        print(
+            f"internal error: {type(error).__name__}: {error}\nThis is a fault of fowtio's; --verbose shows where. Nothing was written.",
+            file=sys.stderr,
+        )
+        sys.exit(EXIT_INPUT)
+
+
+def _print_json(document: dict) -> None:
+    import json as json_module
+
+    print(json_module.dumps(document, indent=1, allow_nan=False))

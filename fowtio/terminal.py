@@ -1,0 +1,147 @@
+"""What people see in the terminal: progress on standard error, tables on standard output."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from fowtio.validation import Validation
+from fowtio.write import tables
+from fowtio.write.quantities import people
+from fowtio.write.table import Column, Table
+
+
+class Progress:
+    """Says on standard error what is being done; on a terminal the line is replaced, else nothing under two seconds is said."""
+
+    def __init__(self, quiet: bool):
+        self.quiet, self.live, self.start = quiet, sys.stderr.isatty(), time.monotonic()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.live and not self.quiet:
+            print("\r\033[K", end="", file=sys.stderr)
+
+    def __call__(self, text: str) -> None:
+        if self.quiet:
+            return
+        if self.live:
+            print(f"\r\033[K{text} ...", end="", file=sys.stderr, flush=True)
+        elif time.monotonic() - self.start > 2:
+            print(f"{text} ...", file=sys.stderr, flush=True)
+
+
+def show_table(table: Table | None) -> None:
+    """Print a table, numbers aligned to the right, units in the heading."""
+    if table is None or not table.rows:
+        return
+    body = table.text()
+    cells = [[c.heading for c in table.columns], *body]
+    widths = [max(len(row[k]) for row in cells) for k in range(len(table.columns))]
+    left = [all(isinstance(row[k], str) for row in table.rows) for k in range(len(table.columns))]
+
+    def line(row):
+        return "  ".join(c.ljust(w) if to_left else c.rjust(w) for c, w, to_left in zip(row, widths, left, strict=True)).rstrip()
+
+    print(f"\n{table.title}")
+    print(line(cells[0]))
+    print("─" * (sum(widths) + 2 * (len(widths) - 1)))
+    for row in body:
+        print(line(row))
+    if table.note:
+        print(table.note)
+
+
+def show_rows(title: str, rows: Sequence[tuple[str, str]]) -> None:
+    """Print labels and texts in two columns."""
+    print(title)
+    width = max((len(label) for label, _ in rows), default=0)
+    for label, text in rows:
+        print(f"  {label.ljust(width)}  {text}")
+
+
+def show_notes(model) -> None:
+    """Print what was assumed."""
+    if model.notes:
+        print("\nNotes")
+        for note in model.notes:
+            print(f"  - {note}")
+
+
+def show_run(model, results, folder: Path, files: Sequence[Path]) -> None:
+    """Print the summary of the main job."""
+    print(model.case.title)
+    show_table(tables.natural_periods(model))
+    show_table(tables.mean_offsets(model))
+    show_table(tables.summary(results))
+    show_notes(model)
+    report = next((f for f in files if f.suffix == ".html"), None)
+    print(f"\n{len(files)} files in {folder}" + (f"; the report is {report}" if report else ""))
+
+
+def show_check(model) -> None:
+    """Print what a study holds, and who contributes what at every operating point."""
+    deck, hydro = model.deck, model.hydro
+    first = model.points[0].system
+    show_rows(
+        f"{model.case.path}: {model.case.title}",
+        [
+            ("deck", f"{deck.path}, {len(deck.files)} files"),
+            ("water", f"depth {deck.depth:g} m, density {deck.density:g} kg/m³, gravity {deck.gravity:g} m/s²"),
+            ("hydrodynamics", f"{len(hydro.omega)} frequencies {hydro.omega[0]:.3g} to {hydro.omega[-1]:.3g} rad/s, {len(hydro.heading)} headings"),
+            ("drag elements", f"{len(first.drag)} ({int(first.drag.axial.sum())} end plates)"),
+            ("moorings", "none" if deck.mooring is None else f"{len(deck.mooring.line_names)} lines ({deck.mooring_path.name})"),
+            ("degrees of freedom", ", ".join(first.dofs)),
+            ("states", ", ".join(s.name for s in model.states)),
+        ],
+    )
+    show_table(tables.conditions(model))
+    for point in model.points:
+        show_table(tables.contained(point))
+        show_table(tables.contributions(point))
+    show_notes(model)
+
+
+def show_modes(model) -> None:
+    """Print the natural modes of every operating point."""
+    show_table(tables.natural_periods(model))
+    show_notes(model)
+
+
+def validation_table(found: Validation) -> Table:
+    """Return one comparison as a table for people."""
+    columns = (
+        Column(name="Channel"), Column(name="Unit"), Column(name="σ model", decimals=4), Column(name="σ reference", decimals=4),
+        Column(name="error", unit="%", decimals=2), Column(name="same waves", unit="%", decimals=2),
+        Column(name="seed scatter", unit="%", decimals=1), Column(name="RAO error", unit="%", decimals=1),
+        Column(name="peak", unit="Hz", decimals=4), Column(name="peak shift", unit="%", decimals=2),
+        Column(name="peak height", unit="%", decimals=1), Column(name="coherence", decimals=2), Column(name=""),
+    )  # fmt: skip
+    rows = []
+    for c in found.channels:
+        unit, factor = people(c.unit)
+        rows.append((
+            c.name, unit, c.std_model * factor, c.std_reference * factor, 100 * c.std_error, 100 * c.std_error_same_waves,
+            100 * c.scatter, 100 * c.rao_error, c.peak_frequency, 100 * c.peak_frequency_error, 100 * c.peak_error,
+            c.coherence_mean, "ok" if c.passed else "outside",
+        ))  # fmt: skip
+    note = (
+        f"error: σ of model over σ of reference less one, tolerance {100 * found.tolerance:g} %; same waves: model driven by the "
+        "reference's own wave records; definitions in docs/validation.md"
+    )
+    title = f"State {found.state}: model against {len(found.files)} time series"
+    return Table(name="validation", title=title, columns=columns, rows=tuple(rows), note=note)
+
+
+def show_validation(found: Sequence[Validation], files: Sequence[Path]) -> None:
+    """Print the comparisons with the reference time series."""
+    for item in found:
+        show_table(validation_table(item))
+        if item.unmatched:
+            print(f"reference channels without a counterpart, or at rest: {', '.join(item.unmatched)}")
+    for file in files:
+        print(file)
