@@ -56,8 +56,8 @@ class StateEntry:
 class Options:
     """Settings with their defaults: frequency grid [Hz], models, duration of the statistics [s]."""
 
-    frequency_low: float = 0.003
-    frequency_high: float = 0.6
+    frequency_low: float = 0.0003
+    frequency_high: float = 1.0
     frequency_count: int = 400
     drag_model: str = "relative"
     low_frequency_excitation: str = "hold"

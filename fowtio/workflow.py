@@ -14,6 +14,7 @@ from fowtio.read.hydrodyn import drag_members
 from fowtio.read.openfast_deck import Deck, deck_hydro, read_deck
 from fowtio.read.openfast_lin import read_openfast_lin
 from model.conventions import PLATFORM_DOFS
+from model.environment.rotor_wind import RotorSensitivity, rotor_sensitivity
 from model.environment.sea import SeaState
 from model.environment.wind import WindState
 from model.response.assemble import Equilibrium, Modes, System, assemble, equilibrium, natural_modes
@@ -35,20 +36,22 @@ from model.system.hydro import HydroCoefficients, headings_cover
 from model.system.identified import SecondOrder, has_load_inputs, second_order
 from model.system.linearisation import Linearisation
 from model.system.tower import TOWER_MODES
-from model.system.turbine import TurbineMatrices, structural_matrices
+from model.system.turbine import TurbineMatrices, gradient_forces, structural_matrices
 
 SAME_SPEED = 0.05  # m/s
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OperatingPoint:
-    """The model at one wind speed [m/s]: turbine, assembled system, mean offset, natural modes, standard channels.
+    """The model at one wind speed [m/s]: turbine, how its rotor samples the wind (None when parked), assembled system,
+    mean offset, natural modes, standard channels.
 
     contained are the parts that its linearisation held beside the turbine (empty without one).
     """
 
     wind_speed: float
     turbine: TurbineMatrices
+    rotor: RotorSensitivity | None
     system: System
     mean: Equilibrium
     modes: Modes
@@ -161,8 +164,8 @@ def loads(responses: Sequence[StateResponse], duration: float = 3600.0) -> tuple
 
 def state_excitation(model: Model, state: StateEntry, omega=None) -> Excitation:
     """Return the spectra of a state on the model's frequencies, or on others (n) [rad/s]."""
-    wind = state_wind(model, state)
-    return excitation(model.omega if omega is None else omega, state.sea, wind)
+    wind, rotor = state_wind(model, state), model.at(state.wind_speed).rotor
+    return excitation(model.omega if omega is None else omega, state.sea, wind, rotor=rotor)
 
 
 def state_wind(model: Model, state: StateEntry) -> WindState | None:
@@ -315,20 +318,24 @@ def _between(a: TurbineMatrices, b: TurbineMatrices, share: float, speed: float)
     """Return matrices a share of the way from one operating point to the next."""
     if a.dofs != b.dofs:
         raise ModelError(f"linearisations {a.source} and {b.source} have different degrees of freedom")
-    names = ("mass", "damping", "stiffness", "force", "point", "wind_force", "rotor_speed")
+    names = ("mass", "damping", "stiffness", "force", "point", "wind_force", "gradient_force", "rotor_speed")
     values = {n: (1 - share) * getattr(a, n) + share * getattr(b, n) for n in names}
     return replace(a, **values, wind_speed=speed, source=f"{a.source} and {b.source}, interpolated")
 
 
 def _operating_point(speed, turbine, contained, dofs, parts, hydro, drag, deck: Deck) -> OperatingPoint:
+    structure, rotor = deck.elastodyn.structure, None
+    if speed > 0:
+        rotor = rotor_sensitivity(structure.rotor.diameter, structure.rotor.blades, turbine.rotor_speed, speed)
+        turbine = replace(turbine, gradient_force=gradient_forces(structure, turbine, rotor.gradient_arm))
     try:
         system = assemble(dofs, turbine, [turbine_contribution(turbine), *parts], hydro, drag, deck.mooring, deck.hydrodyn.quadratic_damping)
         mean = equilibrium(system)
     except ValueError as error:
         raise ModelError(f"{deck.mooring_path or deck.path}: {error}") from None
     return OperatingPoint(
-        wind_speed=speed, turbine=turbine, system=system, mean=mean, modes=natural_modes(system, mean),
-        outputs=linear_outputs(system, mean, deck.elastodyn.structure), contained=contained,
+        wind_speed=speed, turbine=turbine, rotor=rotor, system=system, mean=mean, modes=natural_modes(system, mean),
+        outputs=linear_outputs(system, mean, structure), contained=contained,
     )  # fmt: skip
 
 

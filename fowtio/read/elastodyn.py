@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.openfast_input import InputFile, read_input
+from fowtio.read.openfast_input import InputFile, Table, read_input
 from model.conventions import PLATFORM_DOFS
 from model.system.tower import TOWER_MODES, Tower
 from model.system.turbine import RigidBody, Rotor, TurbineStructure
@@ -38,13 +38,21 @@ def read_elastodyn(path: str | Path, gravity: float) -> ElastoDyn:
         if deck.number(name, 0.0) != 0.0:
             hint = "fowtio keeps the platform reference point at the tower axis and still water"
             raise FormatError(deck.path, deck.line(name), expected=f"{name} = 0", found=deck.text(name), hint=hint)
-    tower_path = deck.path.parent / deck.text("TwrFile")
-    blade_paths = [deck.path.parent / deck.text(f"BldFile({k + 1})" if deck.has(f"BldFile({k + 1})") else f"BldFile{k + 1}")
-                   for k in range(deck.integer("NumBl"))]  # fmt: skip
+    blades = deck.integer("NumBl")
+    if not 1 <= blades <= 3:
+        raise FormatError(deck.path, deck.line("NumBl"), expected="1 to 3 blades", found=deck.text("NumBl"))
+    tower_path = deck.file("TwrFile")
+    names = [f"BldFile({k + 1})" if deck.has(f"BldFile({k + 1})") else f"BldFile{k + 1}" for k in range(blades)]
+    blade_paths = [deck.file(name) for name in names]
+    for name, other in zip(names, blade_paths, strict=True):
+        if other != blade_paths[0]:
+            raise FormatError(
+                deck.path, deck.line(name), expected="the same blade file for all blades", found=deck.text(name)
+            )
     structure = TurbineStructure(
         tower=_tower(deck, read_input(tower_path)),
         nacelle=_nacelle(deck),
-        rotor=_rotor(deck, [read_input(p) for p in dict.fromkeys(blade_paths)]),
+        rotor=_rotor(deck, read_input(blade_paths[0])),
         platform=_platform(deck),
         accelerometer=[deck.number(n, 0.0) for n in ("NcIMUxn", "NcIMUyn", "NcIMUzn")],
         gravity=gravity,
@@ -59,6 +67,19 @@ def read_elastodyn(path: str | Path, gravity: float) -> ElastoDyn:
 
 def _tower(deck: InputFile, tower: InputFile) -> Tower:
     table = tower.table(header="HtFract", rows=tower.integer("NTwInpSt"))
+    _ascending(table, "HtFract")
+    if not deck.number("TowerBsHt") < deck.number("TowerHt"):
+        line = deck.line("TowerHt")
+        raise FormatError(
+            deck.path,
+            line,
+            expected=f"TowerHt above TowerBsHt ({deck.number('TowerBsHt'):g})",
+            found=deck.text("TowerHt"),
+        )
+    if not 1 <= deck.integer("TwrNodes") <= 10_000:
+        raise FormatError(
+            deck.path, deck.line("TwrNodes"), expected="1 to 10000 tower nodes", found=deck.text("TwrNodes")
+        )
     groups = ("TwFAM1Sh", "TwFAM2Sh", "TwSSM1Sh", "TwSSM2Sh")
     modes = np.array([[tower.number(f"{group}({k})") for k in range(2, 7)] for group in groups])
     for group, row in zip(groups, modes, strict=True):
@@ -77,7 +98,26 @@ def _tower(deck: InputFile, tower: InputFile) -> Tower:
     )  # fmt: skip
 
 
-def _positive(table, name: str) -> np.ndarray:
+def _ascending(table: Table, name: str) -> None:
+    """Refuse a table of distributed properties whose stations do not go from 0 to 1."""
+    values = table.numbers(name)
+    if len(values) < 2:
+        at = table.numbers_of_lines[0] if len(table) else None
+        raise FormatError(table.path, at, expected=f"two rows or more in the table of {name}", found=str(len(values)))
+    if abs(values[0]) > 1e-6 or abs(values[-1] - 1) > 1e-6:
+        raise FormatError(
+            table.path,
+            table.numbers_of_lines[0],
+            expected=f"{name} from 0 to 1",
+            found=f"{values[0]:g} to {values[-1]:g}",
+        )
+    steps = np.diff(values)
+    if np.any(steps < 0):
+        k = int(np.argmax(steps < 0)) + 1
+        raise FormatError(table.path, table.numbers_of_lines[k], expected=f"ascending {name}", found=f"{values[k]:g}")
+
+
+def _positive(table: Table, name: str) -> np.ndarray:
     values = table.numbers(name)
     if np.any(values <= 0):
         k = int(np.argmax(values <= 0))
@@ -101,12 +141,25 @@ def _nacelle(deck: InputFile) -> RigidBody:
     return RigidBody(mass=total, centre=joint, inertia=np.diag([0, 0, yaw]) + np.trace(spread) * np.eye(3) - spread)
 
 
-def _rotor(deck: InputFile, blades: list[InputFile]) -> Rotor:
-    if len(blades) > 1:
-        raise FormatError(deck.path, deck.line("BldFile(2)"), expected="the same blade file for all blades", found=deck.text("BldFile(2)"))
+def _rotor(deck: InputFile, blade: InputFile) -> Rotor:
     hub_radius, tip_radius, nodes = deck.number("HubRad"), deck.number("TipRad"), deck.integer("BldNodes")
-    blade = blades[0]
+    if not 0 <= hub_radius < tip_radius:
+        raise FormatError(
+            deck.path, deck.line("TipRad"), expected=f"TipRad above HubRad ({hub_radius:g})", found=deck.text("TipRad")
+        )
+    if not 1 <= nodes <= 10_000:
+        raise FormatError(
+            deck.path, deck.line("BldNodes"), expected="1 to 10000 blade nodes", found=deck.text("BldNodes")
+        )
+    for k in range(2, deck.integer("NumBl") + 1):
+        for name in ("PreCone", "TipMass"):
+            if deck.number(f"{name}({k})", 0.0) != deck.number(f"{name}(1)", 0.0):
+                line = deck.line(f"{name}({k})")
+                raise FormatError(
+                    deck.path, line, expected=f"equal {name} of all blades", found=deck.text(f"{name}({k})")
+                )
     table = blade.table(header="BlFract", rows=blade.integer("NBlInpSt"))
+    _ascending(table, "BlFract")
     density = table.numbers("BMassDen") * blade.number("AdjBlMs", 1.0)
     x = (np.arange(nodes) + 0.5) / nodes
     step = (tip_radius - hub_radius) / nodes

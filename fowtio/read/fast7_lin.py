@@ -113,7 +113,11 @@ def _record(path, lines, start, counts, names, speed) -> Linearisation:
     keep = [k for k in range(len(widths)) if widths[k] or k < len(widths) - 2]
     at = start + 3
     state = _block(path, lines, at, rows, [widths[k] for k in keep])
-    output = _block(path, lines, at + rows + 3, y, [out_widths[k] for k in keep]) if y else [np.zeros((0, out_widths[k])) for k in keep]
+    output = (
+        _block(path, lines, at + rows + 3, y, [out_widths[k] for k in keep])
+        if y
+        else [np.zeros((0, out_widths[k])) for k in keep]
+    )
     full, full_out = ({k: v for k, v in zip(keep, block, strict=True)} for block in (state, output))
     for k in range(len(widths)):
         full.setdefault(k, np.zeros((rows, 0)))
@@ -135,7 +139,9 @@ def _block(path: Path, lines: list[str], first: int, rows: int, widths: list[int
             values = []
         if [len(v) for v in values] != widths:
             want = " | ".join(str(w) for w in widths)
-            raise FormatError(path, i + 1, expected=f"row {r + 1} of {rows} with groups of {want} finite numbers", found=line)
+            raise FormatError(
+                path, i + 1, expected=f"row {r + 1} of {rows} with groups of {want} finite numbers", found=line
+            )
         for k, v in enumerate(values):
             out[k][r] = v
     return out

@@ -60,7 +60,9 @@ def read_map(path: str | Path) -> MapFile:
             raise FormatError(path, expected=f"rows in the section of {name} of a MAP++ file", found="none")
         for i, row in rows[name]:
             if len(row) < width:
-                raise FormatError(path, i, expected=f"at least {width} columns in the section of {name}", found=" ".join(row))
+                raise FormatError(
+                    path, i, expected=f"at least {width} columns in the section of {name}", found=" ".join(row)
+                )
     repeat = tuple(_number(path, i, t) for i, row in rows["options"] if row[0].lower() == "repeat" for t in row[1:])
     return MapFile(path=path, rows=rows, repeat=repeat)
 
@@ -107,7 +109,9 @@ def _node(path: Path, i: int, row: list[str], depth: float) -> tuple:
     extra = [_number(path, i, v.lstrip("#") or "0") for v in row[5:10]]
     marked = [v for v in row[5:10] if v.startswith("#")]
     if kind == "connect" and marked:
-        raise FormatError(path, i, expected="numbers for mass, volume and forces of a Connect node", found=" ".join(marked))
+        raise FormatError(
+            path, i, expected="numbers for mass, volume and forces of a Connect node", found=" ".join(marked)
+        )
     if kind == "vessel" and (extra[0] or extra[1]):
         raise FormatError(
             path, i, expected="mass 0 and volume 0 of a Vessel node", found=" ".join(row[5:7]), hint="Count them in the platform's mass",
@@ -118,15 +122,29 @@ def _node(path: Path, i: int, row: list[str], depth: float) -> tuple:
 def _line(path: Path, i: int, row: list[str], kinds: dict, ids: list[str]) -> tuple:
     """Return name, ends, length, mass per length, diameter, axial stiffness and seabed friction of one line."""
     if row[1].lower() not in kinds:
-        raise FormatError(path, i, expected="a line type of the dictionary", found=row[1], hint=f"Known: {', '.join(kinds)}")
+        raise FormatError(
+            path, i, expected="a line type of the dictionary", found=row[1], hint=f"Known: {', '.join(kinds)}"
+        )
     for k in (3, 4):
         if row[k] not in ids:
             raise FormatError(path, i, expected="a node of the node table", found=row[k])
     for flag in row[5:]:
         if flag.lower() in _REFUSED_FLAGS:
-            raise FormatError(path, i, expected="line flags that fowtio models", found=flag, hint=_REFUSED_FLAGS[flag.lower()].capitalize())
+            raise FormatError(
+                path,
+                i,
+                expected="line flags that fowtio models",
+                found=flag,
+                hint=_REFUSED_FLAGS[flag.lower()].capitalize(),
+            )
     if row[2].startswith("#"):
-        raise FormatError(path, i, expected="an unstretched length", found=row[2], hint="A length to be found by iteration is not modelled")
+        raise FormatError(
+            path,
+            i,
+            expected="an unstretched length",
+            found=row[2],
+            hint="A length to be found by iteration is not modelled",
+        )
     at, kind = kinds[row[1].lower()]
     diameter, mass, stiffness, friction = (_number(path, at, v) for v in kind[1:5])
     return row[0], ids.index(row[3]), ids.index(row[4]), _number(path, i, row[2]), mass, diameter, stiffness, friction

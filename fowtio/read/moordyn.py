@@ -66,7 +66,9 @@ def read_moordyn(path: str | Path) -> MoorDynFile:
             raise FormatError(path, expected=f"a section of {name} with rows in a MoorDyn file", found="none")
         for i, row in rows[name]:
             if len(row) < width:
-                raise FormatError(path, i, expected=f"at least {width} columns in the section of {name}", found=" ".join(row))
+                raise FormatError(
+                    path, i, expected=f"at least {width} columns in the section of {name}", found=" ".join(row)
+                )
     options = {}
     for i, text in found.get("options", []):
         parts = tokens(text)
@@ -136,10 +138,14 @@ def _table(path: Path, name: str, lines: list[tuple[int, str]]) -> tuple[list[st
         if not lines:
             return [], [], []
         at = lines[min(1, len(lines) - 1)]
-        raise FormatError(path, at[0], expected=f"column names and units in brackets in the section of {name}", found=at[1])
+        raise FormatError(
+            path, at[0], expected=f"column names and units in brackets in the section of {name}", found=at[1]
+        )
     rows = [(i, tokens(text)) for i, text in lines[2:]]
     if count is not None and count != len(rows):
-        raise FormatError(path, lines[0][0] - 1, expected=f"{count} rows in the section of {name}", found=f"{len(rows)} rows")
+        raise FormatError(
+            path, lines[0][0] - 1, expected=f"{count} rows in the section of {name}", found=f"{len(rows)} rows"
+        )
     return [c.lower() for c in lines[0][1].split()], lines[1][1].lower().split(), rows
 
 
@@ -180,7 +186,9 @@ def _ids(file: MoorDynFile, section: str) -> list[str]:
     for name, times in Counter(ids).items():
         if times > 1:
             line = [i for i, row in file.rows[section] if row[0] == name][-1]
-            raise FormatError(file.path, line, expected=f"every number once among {section}", found=f"{name} {times} times")
+            raise FormatError(
+                file.path, line, expected=f"every number once among {section}", found=f"{name} {times} times"
+            )
     return ids
 
 
@@ -199,7 +207,9 @@ def _body(file: MoorDynFile, i: int, row: list[str]) -> tuple[str, np.ndarray, n
     """Return kind, position and orientation (rotation matrix) of a fixed or coupled body."""
     kind = _KINDS.get(row[1].lower())
     if kind not in ("fixed", "vessel"):
-        raise FormatError(file.path, i, expected="a body that is Fixed or Coupled", found=row[1], hint="Free bodies are not modelled")
+        raise FormatError(
+            file.path, i, expected="a body that is Fixed or Coupled", found=row[1], hint="Free bodies are not modelled"
+        )
     values = [_number(file.path, i, t) for t in row[2:9]]
     if len(values) < 7 or (kind == "vessel" and (values[6] or (len(row) > 11 and _number(file.path, i, row[11])))):
         raise FormatError(
@@ -227,7 +237,13 @@ def _point(file: MoorDynFile, i: int, row: list[str], bodies: dict) -> tuple:
         place = origin + turn @ place
     elif turbine:
         if turbine[1] != "1":
-            raise FormatError(file.path, i, expected="one turbine", found=row[1], hint="Moorings shared between turbines are not modelled")
+            raise FormatError(
+                file.path,
+                i,
+                expected="one turbine",
+                found=row[1],
+                hint="Moorings shared between turbines are not modelled",
+            )
         kind = "vessel"
     elif word in _KINDS:
         kind = _KINDS[word]
@@ -251,7 +267,13 @@ def _force(file: MoorDynFile, i: int, row: list[str]) -> np.ndarray:
         raise FormatError(file.path, i, expected="FX, FY and FZ", found=" ".join(row))
     units = file.units["points"]
     if np.any(force) and len(units) > k and "kn" in units[k]:
-        raise FormatError(file.path, i, expected="forces in N", found=" ".join(row[k : k + 3]), hint="MoorDyn takes newtons; the heading says kN")
+        raise FormatError(
+            file.path,
+            i,
+            expected="forces in N",
+            found=" ".join(row[k : k + 3]),
+            hint="MoorDyn takes newtons; the heading says kN",
+        )
     return force
 
 
@@ -262,7 +284,9 @@ def _line(file: MoorDynFile, i: int, row: list[str], types: dict, ids: list[str]
         raise FormatError(file.path, i, expected=f"{len(file.columns['lines'])} columns", found=" ".join(row))
     kind = row[at["kind"]].lower()
     if kind not in types:
-        raise FormatError(file.path, i, expected="a line type of the list", found=row[at["kind"]], hint=f"Known: {', '.join(types)}")
+        raise FormatError(
+            file.path, i, expected="a line type of the list", found=row[at["kind"]], hint=f"Known: {', '.join(types)}"
+        )
     for end in ("a", "b"):
         if row[at[end]] not in ids:
             raise FormatError(file.path, i, expected="a point of the list of points", found=row[at[end]])
@@ -275,7 +299,12 @@ def _column(file: MoorDynFile, names: tuple[str, ...]) -> int:
         if name in file.columns["lines"]:
             return file.columns["lines"].index(name)
     first = file.rows["lines"][0][0]
-    raise FormatError(file.path, first, expected=f"a column {' or '.join(names)} in the list of lines", found=" ".join(file.columns["lines"]))
+    raise FormatError(
+        file.path,
+        first,
+        expected=f"a column {' or '.join(names)} in the list of lines",
+        found=" ".join(file.columns["lines"]),
+    )
 
 
 def _number(path: Path, line: int, text: str) -> float:

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from fowtio.errors import FormatError
 from fowtio.read.elastodyn import ElastoDyn, read_elastodyn
-from fowtio.read.hydrodyn import HydroDyn, read_hydrodyn
+from fowtio.read.hydrodyn import HydroDyn, ballast, read_hydrodyn
+from fowtio.read.inflowwind import InflowWind, read_inflowwind
 from fowtio.read.map import map_mooring, read_map
+from fowtio.read.moordyn import moordyn_mooring, read_moordyn
 from fowtio.read.openfast_input import InputFile, read_input
 from fowtio.read.seastate import DeckSea, deck_sea
 from fowtio.read.wamit import read_wamit
 from model.system.hydro import HydroCoefficients
 from model.system.mooring import MooringSystem
+from model.system.turbine import RigidBody
 
+_MODULES = {
+    "NRotors": ({}, {1}), "CompElast": ({3: "simplified ElastoDyn"}, {1, 2}), "CompSub": ({1: "SubDyn", 2: "ExtPtfm"}, {0}),
+    "CompHydro": ({}, {0, 1}), "CompIce": ({1: "IceFloe", 2: "IceDyn"}, {0}), "MHK": ({1: "fixed", 2: "floating"}, {0}),
+}  # fmt: skip
 _MOORINGS = {0: "none", 1: "MAP++", 2: "FEAMooring", 3: "MoorDyn", 4: "OrcaFlex"}
 
 
@@ -24,8 +31,9 @@ _MOORINGS = {0: "none", 1: "MAP++", 2: "FEAMooring", 3: "MoorDyn", 4: "OrcaFlex"
 class Deck:
     """What an OpenFAST deck says: the environment, the turbine (ElastoDyn), the water (None on land), the moorings.
 
-    gravity [m/s2], air_density and density [kg/m3], depth [m]; linearised tells whether the deck makes .lin files;
-    wind_speed [m/s] of a steady InflowWind, else None.
+    gravity [m/s2], air_density and density [kg/m3], depth [m]; wind_speed [m/s] of a steady InflowWind, else None;
+    inflow is all that InflowWind says (None without it). The platform of elastodyn.structure holds the ballast of filled
+    members. notes say what of the deck is simplified.
     """
 
     path: Path
@@ -42,6 +50,8 @@ class Deck:
     wind_speed: float | None
     aerodynamics: bool
     files: tuple[Path, ...]
+    inflow: InflowWind | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def has_drag(self) -> bool:
@@ -52,41 +62,79 @@ class Deck:
 
 
 def read_deck(path: str | Path) -> Deck:
-    """Return an OpenFAST deck, following every file that its primary file names; raise FormatError.
+    """Return an OpenFAST deck of version 2 to 5, following the files of its primary file that the model needs.
 
-    Hydrodynamic coefficients are not read here (`deck_hydro` does), because a study may name others.
+    AeroDyn's and ServoDyn's files are not opened and need not be there. Hydrodynamic coefficients are not read here
+    (`deck_hydro` does), because a study may name others. Raises FormatError.
     """
     path = Path(path)
     primary = read_input(path)
     if not primary.has("EDFile"):
         raise FormatError(path, expected="an OpenFAST primary file (.fst) with EDFile", found="none")
-    _refuse(primary, "CompElast", {1: "ElastoDyn"}, allow={1, 2})
-    _refuse(primary, "CompSub", {1: "SubDyn", 2: "ExtPtfm"}, allow={0})
-    gravity = primary.number("Gravity", None) if primary.has("Gravity") else None
-    elasto_path = _named(primary, "EDFile")
-    if gravity is None:
-        gravity = read_input(elasto_path).number("Gravity")
+    for name, (known, allow) in _MODULES.items():
+        _refuse(primary, name, known, allow)
+    elasto_path = primary.file("EDFile")
+    gravity = primary.number("Gravity") if primary.has("Gravity") else read_input(elasto_path).number("Gravity")
     elastodyn = read_elastodyn(elasto_path, gravity)
-    files = [path, *elastodyn.files]
-    hydrodyn = sea = None
-    if primary.integer("CompHydro", 0) == 1:
-        hydrodyn = read_hydrodyn(_named(primary, "HydroFile"))
-        files.append(hydrodyn.path)
-        with_seastate = primary.has("CompSeaSt") and primary.integer("CompSeaSt") == 1
-        source = read_input(_named(primary, "SeaStFile")) if with_seastate else hydrodyn.input
-        files += [source.path] if with_seastate else []
-        sea = deck_sea(source)
+    hydrodyn, sea, wet_files = _water_modules(primary)
     depth, density = _water(primary, sea)
+    if hydrodyn is not None:
+        elastodyn = _with_ballast(elastodyn, ballast(hydrodyn, density))
     mooring, mooring_path = _mooring(primary, depth, gravity, density)
-    files += [mooring_path] if mooring_path else []
-    wind, inflow_path = _wind(primary)
-    files += [inflow_path] if inflow_path else []
+    inflow = read_inflowwind(primary.file("InflowFile")) if primary.integer("CompInflow", 0) == 1 else None
+    files = [path, *elastodyn.files, *wet_files, mooring_path, inflow.path if inflow else None]
+    notes = hydrodyn.notes if hydrodyn is not None else ()
+    if primary.integer("CompElast", 1) == 2:
+        notes = (*notes, "blades of BeamDyn: their mass is taken from ElastoDyn's blade file")
     return Deck(
         path=path, title=primary.lines[1].strip() if len(primary.lines) > 1 else "", gravity=gravity,
         air_density=primary.number("AirDens", 1.225), density=density, depth=depth, elastodyn=elastodyn, hydrodyn=hydrodyn,
-        sea=sea, mooring=mooring, mooring_path=mooring_path, wind_speed=wind,
-        aerodynamics=primary.integer("CompAero", 0) != 0, files=tuple(files),
+        sea=sea, mooring=mooring, mooring_path=mooring_path, wind_speed=inflow.speed if inflow else None,
+        aerodynamics=primary.integer("CompAero", 0) != 0, files=tuple(f for f in files if f), inflow=inflow, notes=notes,
     )  # fmt: skip
+
+
+def _water_modules(primary: InputFile) -> tuple[HydroDyn | None, DeckSea | None, list[Path]]:
+    """Return HydroDyn and the sea, of SeaState's file or (up to OpenFAST 3) of HydroDyn's, and the files read."""
+    if primary.integer("CompHydro", 0) == 0:
+        return None, None, []
+    hydrodyn = read_hydrodyn(primary.file("HydroFile"))
+    if hydrodyn.input.has("WaveMod"):
+        source = hydrodyn.input
+    elif primary.has("CompSeaSt") and primary.integer("CompSeaSt") == 1:
+        source = read_input(primary.file("SeaStFile"))
+    else:
+        line = primary.line("CompSeaSt") if primary.has("CompSeaSt") else primary.line("CompHydro")
+        raise FormatError(
+            primary.path, line, expected="CompSeaSt 1 with HydroDyn", found="no waves in HydroDyn's file and no SeaState",
+        )  # fmt: skip
+    sea = deck_sea(source)
+    level = sea.level_offset or (primary.number("MSL2SWL", 0.0) if primary.has("MSL2SWL") else 0.0)
+    if level != 0:
+        where = source if sea.level_offset else primary
+        raise FormatError(
+            where.path,
+            where.line("MSL2SWL"),
+            expected="MSL2SWL 0",
+            found=f"{level:g}",
+            hint="Heights are from still water here",
+        )
+    return hydrodyn, sea, list(dict.fromkeys([hydrodyn.path, source.path]))
+
+
+def _with_ballast(elastodyn: ElastoDyn, body: RigidBody | None) -> ElastoDyn:
+    """Return the deck with a body added to its platform."""
+    if body is None:
+        return elastodyn
+    platform = elastodyn.structure.platform
+    mass = platform.mass + body.mass
+    centre = (platform.mass * platform.centre + body.mass * body.centre) / mass
+    inertia = np.zeros((3, 3))
+    for part in (platform, body):
+        arm = part.centre - centre
+        inertia += part.inertia + part.mass * ((arm @ arm) * np.eye(3) - np.outer(arm, arm))
+    joint = RigidBody(mass=mass, centre=centre, inertia=inertia)
+    return replace(elastodyn, structure=replace(elastodyn.structure, platform=joint))
 
 
 def deck_hydro(deck: Deck, stem: Path | None = None) -> HydroCoefficients:
@@ -94,22 +142,38 @@ def deck_hydro(deck: Deck, stem: Path | None = None) -> HydroCoefficients:
 
     The displaced volume and centre of buoyancy come from HydroDyn (PtfmVol0); raise FormatError.
     """
-    from dataclasses import replace
-
     if deck.hydrodyn is None or not deck.hydrodyn.potential_flow:
-        raise FormatError(deck.path, expected="a deck with HydroDyn and PotMod 1", found="none", hint="Name HydroFile in the study")
+        raise FormatError(
+            deck.path, expected="a deck with HydroDyn and PotMod 1", found="none", hint="Name HydroFile in the study"
+        )
     length = deck.hydrodyn.length_scale if stem is None else 1.0
-    hydro = read_wamit(stem or deck.hydrodyn.coefficients, length=length, density=deck.density, gravity=deck.gravity, depth=deck.depth)
+    hydro = read_wamit(
+        stem or deck.hydrodyn.coefficients, length=length, density=deck.density, gravity=deck.gravity, depth=deck.depth
+    )
     cob = np.append(deck.hydrodyn.centre_of_buoyancy, 0.0)
     return replace(hydro, volume=deck.hydrodyn.volume, centre_of_buoyancy=cob)
 
 
 def _water(primary: InputFile, sea: DeckSea | None) -> tuple[float, float]:
     """Return depth and density: the sea's own when given, else the primary file's."""
-    depth = sea.depth if sea is not None and sea.depth is not None else primary.number("WtrDpth", None) if primary.has("WtrDpth") else None
-    density = sea.density if sea is not None and sea.density is not None else primary.number("WtrDens", None) if primary.has("WtrDens") else None
+    depth = (
+        sea.depth
+        if sea is not None and sea.depth is not None
+        else primary.number("WtrDpth", None)
+        if primary.has("WtrDpth")
+        else None
+    )
+    density = (
+        sea.density
+        if sea is not None and sea.density is not None
+        else primary.number("WtrDens", None)
+        if primary.has("WtrDens")
+        else None
+    )
     if sea is not None and (depth is None or density is None):
-        raise FormatError(primary.path, expected="WtrDens and WtrDpth in the primary or the sea's file", found="DEFAULT in both")
+        raise FormatError(
+            primary.path, expected="WtrDens and WtrDpth in the primary or the sea's file", found="DEFAULT in both"
+        )
     return depth if depth is not None else np.inf, density if density is not None else 1025.0
 
 
@@ -117,33 +181,18 @@ def _mooring(primary: InputFile, depth, gravity, density) -> tuple[MooringSystem
     kind = primary.integer("CompMooring", 0)
     if kind == 0:
         return None, None
-    path = _named(primary, "MooringFile")
+    if kind not in (1, 3):
+        name = _MOORINGS.get(kind, "unknown")
+        raise FormatError(
+            primary.path,
+            primary.line("CompMooring"),
+            expected="MAP++ (1), MoorDyn (3) or none (0)",
+            found=f"{kind} ({name})",
+        )
+    path = primary.file("MooringFile")
     if kind == 1:
         return map_mooring(read_map(path), depth=depth, gravity=gravity, density=density), path
-    name = _MOORINGS.get(kind, str(kind))
-    raise FormatError(primary.path, primary.line("CompMooring"), expected="MAP++ (1) or none (0)", found=f"{kind} ({name})")
-
-
-def _wind(primary: InputFile) -> tuple[float | None, Path | None]:
-    """Return the speed of a steady wind when the deck has one."""
-    if primary.integer("CompInflow", 0) != 1:
-        return None, None
-    path = _named(primary, "InflowFile")
-    inflow = read_input(path)
-    steady = inflow.has("WindType") and inflow.integer("WindType") == 1
-    return (inflow.number("HWindSpeed") if steady else None), path
-
-
-def _named(primary: InputFile, name: str) -> Path:
-    """Return the path of a file that the primary file names; raise FormatError with its line when it is not there."""
-    text = primary.text(name)
-    path = primary.path.parent / text.replace("\\", "/")
-    if not path.is_file():
-        raise FormatError(
-            primary.path, primary.line(name), expected=f"an existing file for {name}", found=text,
-            hint=f"Looked for {path}; paths are relative to the primary file",
-        )  # fmt: skip
-    return path
+    return moordyn_mooring(read_moordyn(path), depth=depth, gravity=gravity, density=density), path
 
 
 def _refuse(primary: InputFile, name: str, known: dict, allow: set) -> None:

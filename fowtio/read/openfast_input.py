@@ -62,7 +62,9 @@ class InputFile:
         """Return the line number of a name; raise FormatError with the nearest known name when it is not there."""
         if not self.has(name):
             near = difflib.get_close_matches(name.lower(), self.entries, n=1, cutoff=0.75)
-            hint = f"Nearest name in the file: {self.entries[near[0]][2]}" if near else "Is this the right kind of file?"
+            hint = (
+                f"Nearest name in the file: {self.entries[near[0]][2]}" if near else "Is this the right kind of file?"
+            )
             raise FormatError(self.path, expected=f"a line with the value of {name}", found="none", hint=hint)
         return self.entries[name.lower()][0]
 
@@ -94,7 +96,11 @@ class InputFile:
         if path.is_file():
             return path
         twin = _other_case(path)
-        hint = f"There is {twin}: mind upper and lower case" if twin else f"Looked for {path}; paths are relative to {self.path.name}"
+        hint = (
+            f"There is {twin}: mind upper and lower case"
+            if twin
+            else f"Looked for {path}; paths are relative to {self.path.name}"
+        )
         raise FormatError(self.path, self.line(name), expected=f"an existing file for {name}", found=text, hint=hint)
 
     def is_default(self, name: str) -> bool:
@@ -156,7 +162,10 @@ class InputFile:
             rows = self.integer(count)
             start = self.line(count)
         else:
-            start = next((i for i, ln in enumerate(self.lines) if ln.split()[:1] == [header]), None)
+            start = next(
+                (i for i, ln in enumerate(self.lines) if ln.split()[:1] and ln.split()[0].lower() == header.lower()),
+                None,
+            )
             if start is None:
                 raise FormatError(self.path, expected=f"a table whose first column is {header}", found="none")
         if rows < 0:
@@ -253,7 +262,9 @@ def _table(source: InputFile, start: int, rows: int, what: str) -> Table:
         line = source.lines[i] if i < len(source.lines) else "---"
         if is_rule(line) and not is_comment(line):
             place = min(i + 1, len(source.lines))
-            raise FormatError(source.path, place, expected=f"{rows} rows in the table of {what}", found=f"{len(found)} rows")
+            raise FormatError(
+                source.path, place, expected=f"{rows} rows in the table of {what}", found=f"{len(found)} rows"
+            )
         if line.strip() and not is_comment(line):
             found.append(tokens(line.split("!")[0]))
             where.append(i + 1)
@@ -265,8 +276,15 @@ def _table(source: InputFile, start: int, rows: int, what: str) -> Table:
 def _check_end(source: InputFile, i: int, columns: list[str], rows: int, what: str) -> None:
     """Raise FormatError when the line behind a table looks like one more row: the count is then wrong."""
     parts = tokens(source.lines[i].split("!")[0]) if i < len(source.lines) else []
-    if parts and len(parts) >= len(columns) and _is_number(parts[0]) and _is_number(parts[1] if len(parts) > 1 else "0"):
-        raise FormatError(source.path, i + 1, expected=f"the end of the table of {what} after {rows} rows", found=source.lines[i])
+    if (
+        parts
+        and len(parts) >= len(columns)
+        and _is_number(parts[0])
+        and _is_number(parts[1] if len(parts) > 1 else "0")
+    ):
+        raise FormatError(
+            source.path, i + 1, expected=f"the end of the table of {what} after {rows} rows", found=source.lines[i]
+        )
 
 
 def _is_number(text: str) -> bool:

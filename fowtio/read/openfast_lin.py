@@ -77,7 +77,9 @@ def _count(path: Path, lines: list[str], label: str) -> int:
     return int(value)
 
 
-def _checked(path: Path, lines: list[str], matrices: dict[str, np.ndarray], counts: dict[str, int]) -> dict[str, np.ndarray]:
+def _checked(
+    path: Path, lines: list[str], matrices: dict[str, np.ndarray], counts: dict[str, int]
+) -> dict[str, np.ndarray]:
     """Return the matrices after checking that they are there and as large as the header's counts say."""
     for name, (row, column) in (_SHAPES | _JACOBIANS).items():
         shape = (counts[row], counts[column])
@@ -89,7 +91,9 @@ def _checked(path: Path, lines: list[str], matrices: dict[str, np.ndarray], coun
                 )  # fmt: skip
             matrices[name] = np.zeros(shape)
         if name in matrices and matrices[name].shape != shape:
-            raise FormatError(path, expected=f"matrix {name} of {shape[0]} x {shape[1]}", found=f"{matrices[name].shape}")
+            raise FormatError(
+                path, expected=f"matrix {name} of {shape[0]} x {shape[1]}", found=f"{matrices[name].shape}"
+            )
     return matrices
 
 
@@ -162,7 +166,9 @@ def _point(path: Path, line: int, text: str) -> float | tuple[float, ...]:
     except ValueError as error:
         raise FormatError(path, line, expected="an operating point", found=text, hint=str(error)) from None
     if len(values) not in (1, 3):
-        raise FormatError(path, line, expected="an operating point of one number, or three of an orientation", found=text)
+        raise FormatError(
+            path, line, expected="an operating point of one number, or three of an orientation", found=text
+        )
     return values[0] if len(values) == 1 else tuple(values)
 
 

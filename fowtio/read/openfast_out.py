@@ -95,7 +95,9 @@ def _read_binary(path: Path, content: bytes) -> TimeSeries:
         if time_scale == 0:
             raise FormatError(path, expected="a time scale other than zero", found="0")
     else:
-        time_start, time_step = _finite(path, buffer.take("<f8", 2, "first time and time step"), "first time and time step")
+        time_start, time_step = _finite(
+            path, buffer.take("<f8", 2, "first time and time step"), "first time and time step"
+        )
     if form != _UNCOMPRESSED:
         slope = buffer.take("<f4", channels, "channel slopes").astype(float)
         offset = buffer.take("<f4", channels, "channel offsets").astype(float)
@@ -110,7 +112,9 @@ def _read_binary(path: Path, content: bytes) -> TimeSeries:
     packed = buffer.take(kind, samples * channels, "channel data").reshape(samples, channels)
     if form != _UNCOMPRESSED:
         if np.any(slope == 0) or not np.all(np.isfinite([slope, offset])):
-            raise FormatError(path, expected="finite channel slopes other than zero and offsets", found="zero, NaN or infinity")
+            raise FormatError(
+                path, expected="finite channel slopes other than zero and offsets", found="zero, NaN or infinity"
+            )
         data = (packed - offset) / slope
     else:
         data = packed.astype(float)
@@ -126,9 +130,13 @@ def _finite(path: Path, values: np.ndarray, what: str) -> np.ndarray:
 
 def _read_text(path: Path) -> TimeSeries:
     lines = read_lines(path)
-    head = next((i for i, line in enumerate(lines[:50]) if line.split()[:1] and line.split()[0].lower() == "time"), None)
+    head = next(
+        (i for i, line in enumerate(lines[:50]) if line.split()[:1] and line.split()[0].lower() == "time"), None
+    )
     if head is None or head + 1 >= len(lines):
-        raise FormatError(path, expected="a heading line that begins with Time", found=next(x for x in lines if x.strip()))
+        raise FormatError(
+            path, expected="a heading line that begins with Time", found=next(x for x in lines if x.strip())
+        )
     names = _columns(lines[head])
     first = head + 1
     try:
@@ -161,7 +169,9 @@ def _series(path, time, data, names, units, description) -> TimeSeries:
     if len({n.lower() for n in names}) < len(names):
         twice = next(n for k, n in enumerate(names) if n.lower() in [m.lower() for m in names[:k]])
         if not np.array_equal(*(data[:, [k for k, n in enumerate(names) if n.lower() == twice.lower()][:2]]).T):
-            raise FormatError(path, expected="channels of different names", found=f"{twice} twice with different values")
+            raise FormatError(
+                path, expected="channels of different names", found=f"{twice} twice with different values"
+            )
     for array in (time, data):
         array.setflags(write=False)
     return TimeSeries(

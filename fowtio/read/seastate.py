@@ -30,12 +30,14 @@ class DeckSea:
 def deck_sea(deck: InputFile) -> DeckSea:
     """Return the sea of an input file that holds OpenFAST's waves section; raise FormatError."""
     model = deck.text("WaveMod")
+    if not model[:1].isdigit():
+        raise FormatError(deck.path, deck.line("WaveMod"), expected="a number for WaveMod", found=model)
     kind = int(model) if model.isdigit() else -1
     heading = np.radians(deck.number("WaveDir", 0.0))
     low, high = deck.number("WvLowCOff", 0.0), deck.number("WvHiCOff", np.inf)
     spreading = None
     if deck.has("WaveDirMod") and deck.integer("WaveDirMod", 0) == 1:
-        spreading = deck.number("WaveDirSpread")
+        spreading = _spreading(deck)
     sea = None
     if kind == 0:
         sea = SeaState(kind="still")
@@ -46,11 +48,31 @@ def deck_sea(deck: InputFile) -> DeckSea:
                    spreading=spreading, low_cutoff=low, high_cutoff=high)  # fmt: skip
     elif kind == _WHITE_NOISE:
         band = (low / (2 * np.pi), high / (2 * np.pi))
-        sea = _sea(deck, "WvHiCOff", kind="white_noise", significant_height=deck.number("WaveHs"), band=band, heading=heading)
+        sea = _sea(
+            deck, "WvHiCOff", kind="white_noise", significant_height=deck.number("WaveHs"), band=band, heading=heading
+        )
     return DeckSea(
         sea=sea, wave_model=model, density=deck.number("WtrDens", None), depth=deck.number("WtrDpth", None),
         level_offset=deck.number("MSL2SWL", 0.0), current=deck.has("CurrMod") and deck.integer("CurrMod", 0) != 0,
     )  # fmt: skip
+
+
+def _spreading(deck: InputFile) -> float:
+    """Return the exponent s of cos^2s(x/2) that spreads as OpenFAST's cos^2S(pi x/R) over a range R does.
+
+    Both have the same mean of cos x, which is s/(s + 1) for the first; at R = 360 degrees s is S. Source: OpenFAST,
+    HydroDyn theory, directional spreading.
+    """
+    exponent, span = deck.number("WaveDirSpread"), np.radians(deck.number("WaveDirRange", 360.0))
+    for name, wrong in (("WaveDirSpread", exponent <= 0), ("WaveDirRange", not 0 < span <= 2 * np.pi + 1e-9)):
+        if wrong:
+            raise FormatError(
+                deck.path, deck.line(name), expected=f"{name} above zero (and up to 360 degrees)", found=deck.text(name)
+            )
+    x = (np.arange(2000) + 0.5) / 2000 * span - span / 2
+    share = np.cos(np.pi * x / span) ** (2 * exponent)
+    mean = float((share * np.cos(x)).sum() / share.sum())
+    return mean / (1 - mean)
 
 
 def _sea(deck: InputFile, name: str, **values) -> SeaState:

@@ -11,7 +11,9 @@ import numpy as np
 from fowtio.errors import FormatError
 
 _MERGED = re.compile(r"(?<=[0-9.])(?=[+-]\d*\.)")  # -1.2E+00-5.6E+00: a sign after a digit begins a new number
-_BARE_EXPONENT = re.compile(r"([+-]?(?:\d+\.\d*|\.\d+))([+-]\d{3})")  # 1.234-103: three-digit exponent without its letter
+_BARE_EXPONENT = re.compile(
+    r"([+-]?(?:\d+\.\d*|\.\d+))([+-]\d{3})"
+)  # 1.234-103: three-digit exponent without its letter
 _PLAIN = re.compile(r"[0-9+\-.eEdD]+")
 
 

@@ -75,7 +75,9 @@ def read_turbsim(path: str | Path) -> WindField:
             hint="Is the file complete?",
         )  # fmt: skip
     packed = np.frombuffer(data, "<i2", per_step * steps, start).reshape(steps, per_step)[:, : 3 * nz * ny]
-    velocity = (packed.reshape(steps, nz, ny, 3).astype(np.float32) - offset.astype(np.float32)) / slope.astype(np.float32)
+    velocity = (packed.reshape(steps, nz, ny, 3).astype(np.float32) - offset.astype(np.float32)) / slope.astype(
+        np.float32
+    )
     return WindField(
         time=np.arange(steps) * float(dt), y=(np.arange(ny) - (ny - 1) / 2) * dy, z=bottom + np.arange(nz) * dz, velocity=velocity,
         mean_speed=float(speed), hub_height=float(hub), periodic=_IDS[ident],

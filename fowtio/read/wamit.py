@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.hydro_common import check_damping, check_limits, describe_hydro, number_table, without_weight
+from fowtio.read.hydro_common import check_damping, check_limits, check_mirror, describe_hydro, number_table, without_weight
 from fowtio.read.registry import Format
 from fowtio.read.text import read_lines
 from model.system.hydro import HydroCoefficients
@@ -158,6 +158,8 @@ def read_wamit(
 def dimensional_radiation(path, radiation: WamitRadiation, length: float, density: float) -> dict:
     """Return omega, added mass, damping and their limits with dimensions: A by rho L^k, B by rho L^k omega (k = 3, 4, 5)."""
     finite = radiation.period > 0
+    if not np.any(finite):
+        raise FormatError(path, expected="added mass and damping at finite periods", found="none")
     omega = 2 * np.pi / radiation.period[finite]
     order = np.argsort(omega)
     powers = length ** (3.0 + _ROTATIONS[:, None] + _ROTATIONS[None, :])
@@ -171,6 +173,8 @@ def dimensional_radiation(path, radiation: WamitRadiation, length: float, densit
     }
     check_limits(path, out["added_mass"], out["added_mass_zero"], out["added_mass_infinite"])
     check_damping(path, out["radiation_damping"], out["omega"])
+    check_mirror(path, out["added_mass"], out["omega"], "added mass")
+    check_mirror(path, out["radiation_damping"], out["omega"], "damping")
     return out
 
 

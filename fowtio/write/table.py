@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 ROW = "unit of the row"  # unit of a column whose rows have units of their own, named in the column "Unit"
@@ -70,6 +71,16 @@ class Table:
         if column.scientific is not None:
             return scientific(value, column.scientific)
         return number(value, self.unit(row, k), column.decimals)
+
+
+def joined(name: str, title: str, label: str, tables: Sequence[tuple[str, Table]]) -> Table:
+    """Return tables of one kind as one, with a first column that tells them apart; missing columns are empty."""
+    columns = tuple(dict.fromkeys(c for _, t in tables for c in t.columns))
+    rows = []
+    for key, table in tables:
+        at = [table.columns.index(c) if c in table.columns else None for c in columns]
+        rows += [(key, *(None if k is None else row[k] for k in at)) for row in table.rows]
+    return Table(name=name, title=title, columns=(Column(name=label), *columns), rows=tuple(rows), note=tables[0][1].note)
 
 
 def number(value, unit: str = "", decimals: int | None = None) -> str:

@@ -167,11 +167,13 @@ def state_statistics(item) -> Table:
     for k, name in enumerate(item.channels.names):
         unit, factor = people(item.channels.units[k])
         mean, std, extreme = (float(v[k]) * factor for v in (s.mean, s.std, s.extreme))
-        periods = (None, None) if at_rest(std, unit) else (float(s.zero_crossing_period[k]), float(s.peak_period[k]))
-        rows.append((name, channel_label(name), unit, mean, std, mean + extreme, mean - extreme, *periods, *(float(p[k]) * factor for p in parts)))
+        periods = (None, None) if at_rest(std, unit) else (float(s.zero_crossing_period[k]), _peak(s.peak_period[k], omega))
+        rows.append((
+            name, channel_label(name), unit, mean, std, mean + extreme, mean - extreme, *periods, *(float(p[k]) * factor for p in parts),
+        ))  # fmt: skip
     return Table(
         name=f"statistics_{slug(item.state.name)}", title=f"Statistics, {item.state.name}", columns=tuple(columns), rows=tuple(rows),
-        note=_extremes(item),
+        note=f"{_extremes(item)} No peak period (–): nothing but rounding, or a spectrum that still rises at the lowest frequency.",
     )  # fmt: skip
 
 
@@ -200,7 +202,7 @@ def contained(point) -> Table | None:
     """Return what the linearisation of an operating point held beside the turbine and was taken out; None without one."""
     if not point.contained:
         return None
-    rows = tuple(_contribution_row(p, p.force) for p in point.contained)
+    rows = tuple(_contribution_row(p, p.force) for p in point.contained if any(np.any(a) for a in (p.mass, p.stiffness, p.force)))
     return Table(
         name=f"contained_{slug(point_label(point.wind_speed))}",
         title=f"Held by the linearisation beside the turbine and taken out, {point_label(point.wind_speed)}",
@@ -232,11 +234,20 @@ def _extremes(item) -> str:
     return f"Expected largest and smallest value in {item.statistics.duration:g} s of a Gaussian response (Davenport 1964)."
 
 
+def _peak(period: float, omega: np.ndarray) -> float | None:
+    """Return a peak period [s], None where the spectrum has its largest value at the lowest frequency."""
+    return float(period) if 2 * np.pi / period > 1.0001 * omega[0] else None
+
+
 def _matrix(title: str, values: np.ndarray, point) -> Table:
+    """Return a matrix with rounding, 1e-12 of the largest values in row and column, as zero."""
     dofs = point.system.dofs
+    size = np.sqrt(np.abs(values).max(axis=1))
+    values = np.where(np.abs(values) > 1e-12 * size[:, None] * size, values, 0.0)
     columns = (Column(name=""), *(Column(name=dof_label(d), scientific=4) for d in dofs))
     rows = tuple((dof_label(d), *(float(v) for v in row)) for d, row in zip(dofs, values, strict=True))
-    return Table(name=slug(f"{title}_{point_label(point.wind_speed)}"), title=f"{title}, {point_label(point.wind_speed)}", columns=columns, rows=rows, note="SI units: kg, m, rad, N.")
+    where = point_label(point.wind_speed)
+    return Table(name=slug(f"{title}_{where}"), title=f"{title}, {where}", columns=columns, rows=rows, note="SI units: kg, m, rad, N.")
 
 
 def _contribution_columns() -> tuple[Column, ...]:

@@ -22,7 +22,7 @@ class System:
     """The assembled model of a floating turbine for any number q of degrees of freedom.
 
     dofs (q); the constant parts, moorings not among them; turbine (for its wind force and loads); hydro; drag;
-    mooring (None for a free floater); quadratic_damping (6, 6); wind_force (q) per m/s.
+    mooring (None for a free floater); quadratic_damping (6, 6); wind_force (q) per m/s, gradient_force (2, q) per (m/s)/m.
     """
 
     dofs: tuple[str, ...]
@@ -32,10 +32,12 @@ class System:
     drag: DragMembers
     mooring: MooringSystem | None
     wind_force: np.ndarray
+    gradient_force: np.ndarray
     quadratic_damping: np.ndarray
 
     def __post_init__(self):
-        freeze(self, wind_force=(len(self.dofs),), quadratic_damping=(6, 6))
+        q = len(self.dofs)
+        freeze(self, wind_force=(q,), gradient_force=(2, q), quadratic_damping=(6, 6))
 
     @property
     def platform(self) -> list[int]:
@@ -99,10 +101,12 @@ def assemble(
     for dof in dofs:
         if dof not in known:
             raise ValueError(f"degree of freedom {dof!r} is in no part of the model; there are {', '.join(known)}")
-    wind = np.array([turbine.wind_force[turbine.dofs.index(d)] if d in turbine.dofs else 0.0 for d in dofs])
+    winds = np.vstack([turbine.wind_force, turbine.gradient_force])
+    winds = np.stack([winds[:, turbine.dofs.index(d)] if d in turbine.dofs else np.zeros(3) for d in dofs], axis=1)
     return System(
         dofs=tuple(dofs), parts=tuple(widen(p, dofs) for p in parts), turbine=turbine, hydro=hydro, drag=drag,
-        mooring=mooring, wind_force=wind, quadratic_damping=np.zeros((6, 6)) if quadratic_damping is None else quadratic_damping,
+        mooring=mooring, wind_force=winds[0], gradient_force=winds[1:],
+        quadratic_damping=np.zeros((6, 6)) if quadratic_damping is None else quadratic_damping,
     )  # fmt: skip
 
 

@@ -22,7 +22,8 @@ MOTION_CHANNELS = {
 class LinearOutputs:
     """Channels y = mean + P x + V x' + A x'' + w u of the degrees of freedom's deviation x and the wind's u.
 
-    names, units (c); position, velocity, acceleration (c, q); wind (c); mean (c).
+    names, units (c); position, velocity, acceleration (c, q); wind (c, 3) for the wind of the whole rotor and its
+    vertical and lateral gradient; mean (c).
     """
 
     names: tuple[str, ...]
@@ -35,18 +36,21 @@ class LinearOutputs:
 
     def __post_init__(self):
         freeze(
-            self, position=("c", "q"), velocity=("c", "q"), acceleration=("c", "q"), wind=("c",), mean=("c",),
+            self, position=("c", "q"), velocity=("c", "q"), acceleration=("c", "q"), wind=("c", 3), mean=("c",),
         )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ChannelResponse:
-    """Channels of a response: to_wave (m, n, c) per metre of wave amplitude, to_wind (n, c) per m/s, mean (c), names, units."""
+    """Channels of a response: to_wave (m, n, c) per metre of wave amplitude, to_wind (n, c) per m/s, to_gradients (2, n, c) per
+    (m/s)/m, mean (c), names, units.
+    """
 
     names: tuple[str, ...]
     units: tuple[str, ...]
     to_wave: np.ndarray
     to_wind: np.ndarray
+    to_gradients: np.ndarray
     mean: np.ndarray
 
     def index(self, name: str) -> int:
@@ -75,7 +79,7 @@ def linear_outputs(system: System, mean: Equilibrium, structure: TurbineStructur
 
     return LinearOutputs(
         names=tuple(names), units=tuple(units), position=stacked(position), velocity=stacked(velocity),
-        acceleration=stacked(acceleration), wind=np.array(wind), mean=np.array(level),
+        acceleration=stacked(acceleration), wind=np.array(wind).reshape(-1, 3), mean=np.array(level),
     )  # fmt: skip
 
 
@@ -88,15 +92,23 @@ def channel_response(outputs: LinearOutputs, response: Response) -> ChannelRespo
 
     return ChannelResponse(
         names=outputs.names, units=outputs.units, to_wave=apply(response.to_wave),
-        to_wind=apply(response.to_wind) + outputs.wind, mean=outputs.mean,
+        to_wind=apply(response.to_wind) + outputs.wind[:, 0], mean=outputs.mean,
+        to_gradients=apply(response.to_gradients) + outputs.wind[:, 1:].T[:, None],
     )  # fmt: skip
 
 
 def response_spectra(channels: ChannelResponse, response: Response) -> np.ndarray:
-    """Return one-sided response spectra (n, c) [unit2/(rad/s)]: waves of all headings and wind, uncorrelated."""
+    """Return one-sided response spectra (n, c) [unit2/(rad/s)]: waves of all headings, wind and its gradients, uncorrelated."""
+    return sum(spectra_by_cause(channels, response))
+
+
+def spectra_by_cause(channels: ChannelResponse, response: Response) -> tuple[np.ndarray, np.ndarray]:
+    """Return the parts (n, c), (n, c) of the response spectra that waves and wind cause."""
     drive = response.excitation
     waves = np.einsum("mnc,mn->nc", np.abs(channels.to_wave) ** 2, drive.wave_spectrum)
-    return waves + np.abs(channels.to_wind) ** 2 * drive.wind_spectrum[:, None]
+    gusts = np.abs(channels.to_wind) ** 2 * drive.wind_spectrum[:, None]
+    gradients = (np.abs(channels.to_gradients) ** 2).sum(axis=0) * drive.gradient_spectrum[:, None]
+    return waves, gusts + gradients
 
 
 def _blank(count: int, q: int) -> list[list]:
@@ -110,7 +122,7 @@ def _motions(system: System, mean: Equilibrium) -> tuple[list, ...]:
     names, units = ([MOTION_CHANNELS[d][k] for d in named] for k in (0, 1))
     level = [float(mean.offset[system.dofs.index(d)]) for d in named]
     n = len(named)
-    return names, units, unit, _blank(n, q), _blank(n, q), [0.0] * n, level
+    return names, units, unit, _blank(n, q), _blank(n, q), _blank(n, 3), level
 
 
 def _nacelle(system: System, structure: TurbineStructure) -> tuple[list, ...]:
@@ -124,7 +136,7 @@ def _nacelle(system: System, structure: TurbineStructure) -> tuple[list, ...]:
         if dof in system.dofs:
             full[:, system.dofs.index(dof)] = motion[:2, k]
     return (
-        ["NcIMUTAxs", "NcIMUTAys"], ["m/s^2"] * 2, _blank(2, q), _blank(2, q), [list(r) for r in full], [0.0] * 2, [0.0] * 2,
+        ["NcIMUTAxs", "NcIMUTAys"], ["m/s^2"] * 2, _blank(2, q), _blank(2, q), [list(r) for r in full], _blank(2, 3), [0.0] * 2,
     )  # fmt: skip
 
 
@@ -145,7 +157,7 @@ def _tower_base(system: System, mean: Equilibrium, structure: TurbineStructure) 
         rows = np.zeros((6, q))
         rows[:, to] = -matrix[:6][:, take]
         matrices.append(rows)
-    wind = turbine.wind_force[:6].copy()
+    wind = np.vstack([turbine.wind_force, turbine.gradient_force])[:, :6].T
     weight, base = -load[2], structure.tower.base_height
     angles = to_platform(system, mean.offset)[3:]
     turn = np.zeros((2, q))  # shear along the section's own axes: + weight times rotation
@@ -156,7 +168,7 @@ def _tower_base(system: System, mean: Equilibrium, structure: TurbineStructure) 
     shear[0] = [shear[0][0] + turn[0], shear[0][1] + turn[1]]
     moment = [[m[4] - base * s[0], m[3] + base * s[1]] for m, s in zip(matrices, shear, strict=True)]
     level_x, level_y = load[0] + weight * angles[1], load[1] - weight * angles[0]
-    gust = [wind[0], wind[1], wind[4] - base * wind[0], wind[3] + base * wind[1]]
+    gust = [list(w) for w in (wind[0], wind[1], wind[4] - base * wind[0], wind[3] + base * wind[1])]
     level = [level_x, level_y, load[4] - base * level_x, load[3] + base * level_y]
     rows = [[list(r) for r in (*shear[k], *moment[k])] for k in range(3)]
     return ["TwrBsFxt", "TwrBsFyt", "TwrBsMyt", "TwrBsMxt"], ["N", "N", "N m", "N m"], *rows, gust, level
@@ -171,4 +183,4 @@ def _tensions(system: System, mean: Equilibrium) -> tuple[list, ...]:
             gradient[:, system.dofs.index(dof)] = state.tension_gradient[:, k]
     names = [f"T[{k + 1}]" for k in range(lines)]
     level = [float(t) for t in state.fairlead_tension]
-    return names, ["N"] * lines, [list(r) for r in gradient], _blank(lines, q), _blank(lines, q), [0.0] * lines, level
+    return names, ["N"] * lines, [list(r) for r in gradient], _blank(lines, q), _blank(lines, q), _blank(lines, 3), level

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.conventions import PLATFORM_DOFS, freeze
+from model.environment.rotor_wind import RotorSensitivity, rotor_spectra
 from model.environment.sea import SeaState, directional_spectrum, wave_kinematics, wave_spectrum, wavenumber
 from model.environment.wind import WindState, inflow_spectrum
 from model.response.assemble import Equilibrium, System
@@ -19,28 +20,35 @@ DRAG_MODELS = ("relative", "body", "none")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Excitation:
-    """What drives the model: omega (n), headings (m), wave spectra (m, n) [m2/(rad/s)], wind spectrum (n) [(m/s)2/(rad/s)]."""
+    """What drives the model: omega (n), headings (m), wave spectra (m, n) [m2/(rad/s)], wind spectrum (n) [(m/s)2/(rad/s)] of the
+    whole rotor, and the spectrum (n) [(m/s/m)2/(rad/s)] that the wind's vertical and its lateral gradient have each.
+    """
 
     omega: np.ndarray
     heading: np.ndarray
     wave_spectrum: np.ndarray
     wind_spectrum: np.ndarray
+    gradient_spectrum: np.ndarray
 
     def __post_init__(self):
-        freeze(self, omega=("n",), heading=("m",), wave_spectrum=("m", "n"), wind_spectrum=("n",))
+        freeze(
+            self, omega=("n",), heading=("m",), wave_spectrum=("m", "n"), wind_spectrum=("n",), gradient_spectrum=("n",),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Response:
     """Complex transfer functions about the mean offset.
 
-    dofs (q); to_wave (m, n, q) per metre of wave amplitude at each heading, to_wind (n, q) per m/s; excitation; offset (q);
+    dofs (q); to_wave (m, n, q) per metre of wave amplitude at each heading, to_wind (n, q) per m/s, to_gradients (2, n, q) per
+    (m/s)/m of the vertical and lateral gradient; excitation; offset (q);
     drag_damping (6, 6) and drag iterations; dynamic stiffness (n, q, q) that was solved, drag included.
     """
 
     dofs: tuple[str, ...]
     to_wave: np.ndarray
     to_wind: np.ndarray
+    to_gradients: np.ndarray
     excitation: Excitation
     offset: np.ndarray
     drag_damping: np.ndarray
@@ -51,15 +59,18 @@ class Response:
     def __post_init__(self):
         q = len(self.dofs)
         freeze(
-            self, to_wave=("m", "n", q), to_wind=("n", q), offset=(q,), drag_damping=(6, 6), dynamic_stiffness=("n", q, q),
+            self, to_wave=("m", "n", q), to_wind=("n", q), to_gradients=(2, "n", q), offset=(q,), drag_damping=(6, 6), dynamic_stiffness=("n", q, q),
         )  # fmt: skip
 
 
-def excitation(omega, seas: SeaState | Sequence[SeaState], wind: WindState | None, headings=None) -> Excitation:
+def excitation(
+    omega, seas: SeaState | Sequence[SeaState], wind: WindState | None, headings=None, rotor: RotorSensitivity | None = None
+) -> Excitation:
     """Return the spectra that drive the model on a frequency grid omega (n) [rad/s].
 
     seas: one or several; headings (m) [rad] to split a short-crested sea over, by default those of the seas themselves
-    (long-crested). wind None is calm.
+    (long-crested). wind None is calm. rotor tells how a turning rotor samples the wind; without it the wind of
+    the whole rotor has the spectrum that the wind's `averaging` says, and no gradients.
     """
     omega = np.asarray(omega, dtype=float)
     seas = [seas] if isinstance(seas, SeaState) else list(seas)
@@ -71,8 +82,12 @@ def excitation(omega, seas: SeaState | Sequence[SeaState], wind: WindState | Non
         waves = wave_spectrum(seas[0], omega)[None]
     else:
         waves = directional_spectrum(seas, omega, headings)
-    gusts = np.zeros_like(omega) if wind is None else inflow_spectrum(wind, omega)
-    return Excitation(omega=omega, heading=headings, wave_spectrum=waves, wind_spectrum=gusts)
+    gusts, gradients = np.zeros((2, len(omega)))
+    if wind is not None:
+        gusts, gradients = rotor_spectra(wind, rotor, omega) if rotor else (inflow_spectrum(wind, omega), gradients)
+    return Excitation(
+        omega=omega, heading=headings, wave_spectrum=waves, wind_spectrum=gusts, gradient_spectrum=gradients
+    )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -134,9 +149,10 @@ def solve(
     rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
     dynamic = _dynamic_stiffness(system, mean, grid, here, rows)
     m, n, q = len(drive.heading), len(omega), len(system.dofs)
-    force = np.zeros((n, q, m + 1), dtype=complex)
+    winds = 3 if np.any(drive.gradient_spectrum) else 1
+    force = np.zeros((n, q, m + winds), dtype=complex)
     force[:, here, :m] = np.moveaxis(grid.wave_force[..., rows], 0, -1)
-    force[:, :, m] = system.wind_force
+    force[:, :, m:] = np.vstack([system.wind_force, system.gradient_force])[:winds].T
     linear = _Drag(system, drive, grid, drag, here, rows)
     damping, iterations, converged = np.zeros((6, 6)), 0, True
     solution = None
@@ -156,8 +172,9 @@ def solve(
         solution = np.linalg.solve(dynamic, force)
     full = dynamic.copy()
     full[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * damping[np.ix_(rows, rows)]
+    gradients = np.moveaxis(solution[:, :, m + 1 :], -1, 0) if winds == 3 else np.zeros((2, n, q), dtype=complex)
     return Response(
-        dofs=system.dofs, to_wave=np.moveaxis(solution[:, :, :m], -1, 0), to_wind=solution[:, :, m], excitation=drive,
+        dofs=system.dofs, to_wave=np.moveaxis(solution[:, :, :m], -1, 0), to_wind=solution[:, :, m], to_gradients=gradients, excitation=drive,
         offset=mean.offset, drag_damping=damping, iterations=iterations, converged=converged, dynamic_stiffness=full,
     )  # fmt: skip
 
@@ -173,7 +190,7 @@ def _dynamic_stiffness(system: System, mean: Equilibrium, grid: Grid, here, rows
 
 
 def _solve(dynamic, damping, force, wave_force, omega, here, rows) -> np.ndarray:
-    """Return the motions (n, q, m + 1) with drag damping (6, 6) and the waves' drag force (m, 6, n)."""
+    """Return the motions (n, q, m + winds) with drag damping (6, 6) and the waves' drag force (m, 6, n)."""
     z = dynamic.copy()
     z[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * damping[np.ix_(rows, rows)]
     f = force.copy()
@@ -196,7 +213,7 @@ class _Drag:
         self.water = np.zeros_like(grid.water) if model == "body" else grid.water
         step = _weights(drive.omega)
         self.wave_weight = drive.wave_spectrum * step
-        self.wind_weight = drive.wind_spectrum * step
+        self.wind_weight = [w * step for w in (drive.wind_spectrum, drive.gradient_spectrum, drive.gradient_spectrum)]
         self.history: list = []
 
     def start(self, dynamic, force) -> np.ndarray:
@@ -207,11 +224,12 @@ class _Drag:
         return np.concatenate([borgman_coefficients(covariance).ravel(), np.zeros(6)])
 
     def coefficients(self, solution: np.ndarray) -> np.ndarray:
-        """Return the linear coefficients for the motions of a solution (n, q, m + 1)."""
+        """Return the linear coefficients for the motions of a solution (n, q, m + winds)."""
         rate = np.ascontiguousarray(solution[:, self.here].T) * (1j * self.omega)
         covariance, variance = np.zeros((len(self.members), 2, 2)), np.zeros(len(self.rows))
         drivers = [(rate[k], self.water[k], weight) for k, weight in enumerate(self.wave_weight)]
-        drivers += [(rate[-1], 0.0, self.wind_weight)] if np.any(self.wind_weight) else []
+        m = len(self.wave_weight)
+        drivers += [(r, 0.0, w) for r, w in zip(rate[m:], self.wind_weight, strict=False) if np.any(w)]
         for motion, water, weight in drivers:
             covariance += self._covariance(water - self.flat @ motion, weight)
             variance += (motion.real**2 + motion.imag**2) @ weight

@@ -126,8 +126,8 @@ def perturbation_error(structural_mass: np.ndarray, dofs: tuple[str, ...], gravi
             t = _turn(dofs, rotation(direction * angle))
             return fall - t @ np.linalg.solve(structural_mass, t.T @ weight)
 
-        angle, small = np.arctan(ROTATION_STEP), 1e-5
-        coarse = (turned(angle) - turned(-angle)) / (2 * ROTATION_STEP)
+        angle, small = ROTATION_STEP, 1e-5
+        coarse = (turned(angle) - turned(-angle)) / (2 * angle)
         exact = (turned(small) - turned(-small)) / (2 * small)
         out[:, j] = -structural_mass @ (coarse - exact)
     return out

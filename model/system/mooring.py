@@ -1,10 +1,12 @@
 """Quasi-static mooring systems: forces, tensions and stiffness on a platform at any offset.
 
 Lines of `model.system.catenary` join points that are fixed to the seabed, carried by the platform ("vessel") or free
-("connect"). The six platform coordinates are surge, sway, heave of the reference point (the origin at rest) and the
-rotation vector of `model.conventions.rotation`; forces and moments act on the platform about its displaced reference
-point, in inertial axes. Derivatives are exact with respect to the six coordinates, so the stiffness is symmetric at
-rest without pretension moments only; away from rest a rotation vector is not conjugate to a spatial moment.
+("connect", which the seabed holds from below). The six platform coordinates are surge, sway, heave of the reference
+point (the origin at rest) and the rotation vector of `model.conventions.rotation`; forces and moments act on the
+platform about its displaced reference point, in inertial axes.
+
+Stiffness and tension gradients are exact derivatives with respect to these six coordinates. Off the rest position the
+stiffness is not symmetric, frictionless or not: a moment about fixed axes is not conjugate to a rotation vector.
 """
 
 from __future__ import annotations
@@ -29,7 +31,8 @@ class MooringSystem:
 
     point_names (p); point_kind (p): "fixed", "vessel" or "connect"; position (..., p, 3) [m], of a vessel point in the
     body frame about the platform reference point, of a connect point where to look for its equilibrium;
-    point_mass (p) [kg], point_volume (p) [m3], point_force (p, 3) [N]: of connect points, zero if left out;
+    point_mass (p) [kg], point_volume (p) [m3], always under water, point_force (p, 3) [N]: of connect points (those of
+    other points act on nothing), zero if left out;
     line_names (l); end_a (l), end_b (l): point indices of anchor and fairlead; length (..., l) unstretched [m];
     mass_per_length (..., l) in air [kg/m]; diameter (..., l) [m]; axial_stiffness (..., l) [N];
     seabed_friction (..., l) [-]; depth [m]; gravity [m/s2]; density of the water [kg/m3].
@@ -292,13 +295,14 @@ def _settle(system, position):
         force = np.where(good[..., None], new_force, force)
         stiffness = np.where(good[..., None, None], new_stiffness, stiffness)
         scale = np.where(good, new_scale, scale)
-        stiff = np.trace(new_stiffness, axis1=-2, axis2=-1) / step.shape[-1]
-        relaxed = np.where(damping > 1e-6 * stiff, 0.1 * damping, 0.0)
-        damping = np.where(good, relaxed, np.maximum(8 * damping, 1e-3 * stiff))
-        small = (np.abs(step).max(-1) <= 1e-11 * longest) & (_size(force) <= 1e-7 * scale)
+        near_zero = np.where(damping > 0, 1e-10, 1e-7) * scale  # below this rounding may turn any step uphill
+        small = (_size(step) <= 1e-11 * longest) & (_size(force) <= near_zero)
         moving = moving & ~(small | (_size(force) <= 1e-14 * scale))
         if not moving.any():
             break
+        stiff = np.trace(new_stiffness, axis1=-2, axis2=-1) / step.shape[-1]
+        relaxed = np.where(damping > 1e-6 * stiff, 0.1 * damping, 0.0)
+        damping = np.where(good, relaxed, np.maximum(8 * damping, 1e-3 * stiff))
     _check_settled(system, force, scale)
     seated = position[..., free, 2] <= -system.depth
     position[..., free, 2] = np.maximum(position[..., free, 2], -system.depth)

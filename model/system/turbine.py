@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.conventions import PLATFORM_DOFS, freeze, point_motion, rigid_mass, weight_stiffness
-from model.system.tower import Tower, TowerModes, tower_modes
+from model.system.tower import TOWER_MODES, Tower, TowerModes, tower_modes
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,7 +71,8 @@ class TurbineMatrices:
     """The turbine (tower and what it carries, no platform) in its degrees of freedom, about the platform reference point.
 
     dofs (q) names; mass, damping, stiffness (q, q); force (q) [N, N m] that it exerts at `point` (q), weight and thrust;
-    wind_force (q) per metre per second of wind; wind_speed [m/s]; rotor_speed [rad/s]; source.
+    wind_force (q) per m/s of wind over the whole rotor; gradient_force (2, q) per (m/s)/m of its vertical and lateral
+    gradient, zero when not given; wind_speed [m/s]; rotor_speed [rad/s]; source.
     """
 
     dofs: tuple[str, ...]
@@ -81,15 +82,37 @@ class TurbineMatrices:
     force: np.ndarray
     point: np.ndarray
     wind_force: np.ndarray
+    gradient_force: np.ndarray | None = None
     wind_speed: float = 0.0
     rotor_speed: float = 0.0
     source: str = ""
 
     def __post_init__(self):
         q = len(self.dofs)
+        if self.gradient_force is None:
+            object.__setattr__(self, "gradient_force", np.zeros((2, q)))
         freeze(
-            self, mass=(q, q), damping=(q, q), stiffness=(q, q), force=(q,), point=(q,), wind_force=(q,),
+            self, mass=(q, q), damping=(q, q), stiffness=(q, q), force=(q,), point=(q,), wind_force=(q,), gradient_force=(2, q),
         )  # fmt: skip
+
+
+def gradient_forces(structure: TurbineStructure, turbine: TurbineMatrices, arm: float) -> np.ndarray:
+    """Return the generalised forces (2, q) per (m/s)/m of the wind's vertical and lateral gradient over the rotor.
+
+    A blade element at radius r and azimuth psi lies r cos(psi) above the hub; its thrust makes a tilt moment, and in the same
+    way a yaw moment. arm [m2] is the moment of a unit gradient over the thrust of a unit wind.
+    """
+    modes = tuple(d for d in turbine.dofs if d in TOWER_MODES)
+    motion = head_motion(structure.tower.top_height, tower_modes(structure.tower, modes), structure.rotor.apex)
+    known = PLATFORM_DOFS + modes
+    tilt = structure.rotor.tilt
+    thrust = turbine.wind_force[turbine.dofs.index("surge")] / np.cos(tilt) if "surge" in turbine.dofs else 0.0
+    rotations = np.stack([motion[4], -np.sin(tilt) * motion[3] + np.cos(tilt) * motion[5]])
+    out = np.zeros((2, len(turbine.dofs)))
+    for k, dof in enumerate(known):
+        if dof in turbine.dofs:
+            out[:, turbine.dofs.index(dof)] = rotations[:, k]
+    return thrust * arm * out * [[1.0], [-1.0]]
 
 
 def rotor_nacelle(structure: TurbineStructure) -> RigidBody:

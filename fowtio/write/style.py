@@ -1,0 +1,146 @@
+"""One look for all figures: colours, axes, frequencies; no pyplot and no global state.
+
+Colours are those of Okabe and Ito, which people with colour vision deficiencies can tell apart.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
+
+BLUE, ORANGE, GREEN, SKY, PURPLE, AMBER, INK, GREY = "#0072B2", "#D55E00", "#009E73", "#56B4E9", "#CC79A7", "#E69F00", "#222222", "#8A8F98"
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, AMBER, SKY)
+DASHES = ("-", "--", "-.", ":")
+DPI = 150
+RC = {
+    "font.family": "sans-serif", "font.sans-serif": ["DejaVu Sans"], "font.size": 9, "axes.titlesize": 9.5, "axes.labelsize": 9,
+    "xtick.labelsize": 8, "ytick.labelsize": 8, "legend.fontsize": 8.5, "axes.linewidth": 0.7, "axes.edgecolor": GREY,
+    "axes.labelcolor": INK, "text.color": INK, "xtick.color": GREY, "ytick.color": GREY, "xtick.labelcolor": INK, "ytick.labelcolor": INK,
+    "xtick.major.width": 0.7, "ytick.major.width": 0.7, "xtick.major.size": 3, "ytick.major.size": 3, "xtick.minor.size": 0,
+    "ytick.minor.size": 0, "axes.grid": True, "grid.color": "#E6E8EB", "grid.linewidth": 0.7, "axes.axisbelow": True, "lines.linewidth": 1.5,
+    "lines.solid_capstyle": "round", "legend.frameon": False, "axes.spines.top": False, "axes.spines.right": False, "figure.facecolor": "white",
+    "svg.fonttype": "none", "axes.titlelocation": "left", "axes.titlepad": 5, "path.simplify_threshold": 0.2, "axes.unicode_minus": True,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Drawing:
+    """A figure with what belongs to it: file name without suffix, group (a word by which reports place it), title, caption."""
+
+    name: str
+    group: str
+    title: str
+    caption: str
+    figure: Figure
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """A figure that has been drawn: as in Drawing, with its SVG as text."""
+
+    name: str
+    group: str
+    title: str
+    caption: str
+    svg: str
+
+
+def grid(rows: int, columns: int, *, width: float = 11.0, height: float = 2.4, ratios: Sequence[float] | None = None, top: float = 0.5, gap: float = 0.55, between: float = 0.62):
+    """Return a figure and its axes (rows, columns) with margins in inches, so that no layout has to be searched.
+
+    width of all, height of a row of ratio 1, ratios of the rows, top margin, gap between rows, between columns [in].
+    """
+    ratios = list(ratios or [1.0] * rows)
+    left, right, bottom = 0.68, 0.15, 0.5
+    total = top + bottom + height * sum(ratios) + gap * (rows - 1)
+    figure = Figure(figsize=(width, total))
+    wide = (width - left - right - between * (columns - 1)) / columns
+    axes = np.empty((rows, columns), dtype=object)
+    y = total - top
+    for i, ratio in enumerate(ratios):
+        y -= ratio * height
+        for j in range(columns):
+            axes[i, j] = figure.add_axes([(left + j * (wide + between)) / width, y / total, wide / width, ratio * height / total])
+        y -= gap
+    return figure, axes
+
+
+def save(drawing: Drawing, folder: Path) -> Picture:
+    """Write a drawing as PNG and SVG into a folder and return it as a picture."""
+    with mpl.rc_context({**RC, "svg.hashsalt": drawing.name}):
+        drawing.figure.set_dpi(DPI)
+        FigureCanvasAgg(drawing.figure).print_png(folder / f"{drawing.name}.png")
+        svg = _svg(drawing.figure)
+    (folder / f"{drawing.name}.svg").write_text(svg, encoding="utf-8")
+    return Picture(name=drawing.name, group=drawing.group, title=drawing.title, caption=drawing.caption, svg=svg)
+
+
+def _svg(figure: Figure) -> str:
+    """Return a figure as SVG without prologue and metadata, so that it can stand in a page and is the same every time."""
+    stream = io.StringIO()
+    figure.set_dpi(72)
+    FigureCanvasSVG(figure).print_svg(stream, metadata={"Date": None, "Creator": None})
+    text = stream.getvalue()
+    text = text[text.index("<svg") :]
+    return re.sub(r"\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+
+
+def frequency_axis(ax: Axes, low: float, high: float, label: bool = True) -> None:
+    """Make x a logarithmic frequency axis in Hz with plain numbers."""
+    ax.set_xscale("log")
+    ax.set_xlim(low, high)
+    ticks = [t for t in (m * 10.0**e for e in range(-5, 3) for m in (1, 2, 5)) if low <= t <= high]
+    if len(ticks) > 8:
+        ticks = [t for t in ticks if not math.isclose(t / 10 ** math.floor(math.log10(t * 1.0001)), 2)]
+    ax.xaxis.set_major_locator(FixedLocator(ticks))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
+    ax.xaxis.set_minor_locator(NullLocator())
+    if label:
+        ax.set_xlabel("Frequency (Hz)")
+    else:
+        ax.xaxis.set_major_formatter(NullFormatter())
+
+
+def log_axis(ax: Axes, values: np.ndarray, decades: float = 3.0) -> None:
+    """Make y logarithmic, from the largest of values down some decades, with plain numbers."""
+    top = float(np.nanmax(values)) * 2
+    ax.set_yscale("log")
+    ax.set_ylim(top * 10**-decades, top)
+    ax.yaxis.set_major_locator(LogLocator(numticks=6))
+    ax.yaxis.set_minor_locator(NullLocator())
+    ax.yaxis.set_major_formatter(FuncFormatter(plain))
+
+
+def plain(value: float, _=None) -> str:
+    """Return a number for a logarithmic axis: plain where short, else as 10 with an exponent."""
+    if value <= 0:
+        return "0"
+    if 1e-3 <= value < 1e5:
+        return f"{value:g}"
+    exponent = round(math.log10(value))
+    return "10" + "".join("⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".index(c)] for c in str(exponent))
+
+
+def legend(figure: Figure, handles: Sequence, labels: Sequence[str]) -> None:
+    """Put one legend for all axes at the top left of a figure."""
+    height = figure.get_size_inches()[1]
+    figure.legend(handles, labels, loc="upper left", bbox_to_anchor=(0.055, 1 - 0.04 / height), ncols=min(len(labels), 6), handlelength=2.0, borderaxespad=0.0, columnspacing=1.6)
+
+
+def unwrapped(phase: np.ndarray) -> np.ndarray:
+    """Return phases [deg] with a gap where they jump from one end of the circle to the other."""
+    out = np.array(phase)
+    out[1:][np.abs(np.diff(phase)) > 180] = np.nan
+    return out
