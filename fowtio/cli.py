@@ -108,6 +108,7 @@ def modes(
 @app.command()
 def validate(
     case: CASE, out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+    quadratic: Annotated[bool, typer.Option(help="also solve with quadratic drag itself on every record")] = True,
 ) -> None:  # fmt: skip
     """Compare RAOs and standard deviations with the reference time series that the study names."""
     from fowtio import report_data, terminal
@@ -122,7 +123,7 @@ def validate(
         raise CaseError([Problem("the study names no reference time series (table NRef)", case)])
     with terminal.Progress(quiet=quiet or json) as say:
         model = build(study, progress=say)
-        found = [compare(model, reference, progress=say) for reference in study.references]
+        found = [compare(model, reference, nonlinear=quadratic, progress=say) for reference in study.references]
         files = write_validation(model, found, out or Path("results") / f"{case.stem}_validation", progress=say)
     if json:
         _print_json(report_data.validation_json(found, files))

@@ -128,8 +128,8 @@ def _contributions(point: OperatingPoint) -> dict:
 def _channel(c) -> dict:
     return {
         "unit": c.unit, "std": c.std_model, "std_reference": c.std_reference, "std_error": c.std_error,
-        "std_error_same_waves": c.std_error_same_waves, "scatter": _finite(c.scatter), "mean": c.mean_model, "mean_reference": c.mean_reference,
-        "rao_error": c.rao_error, "rao_error_bands": list(c.band_errors), "peak_error": c.peak_error, "peak_frequency": c.peak_frequency,
+        "std_error_same_waves": c.std_error_same_waves, "std_error_nonlinear": _finite(c.std_error_nonlinear), "scatter": _finite(c.scatter), "mean": c.mean_model, "mean_reference": c.mean_reference,
+        "rao_error": c.rao_error, "rao_error_nonlinear": _finite(c.rao_error_nonlinear), "rao_error_bands": list(c.band_errors), "peak_error": c.peak_error, "peak_frequency": c.peak_frequency,
         "peak_frequency_error": c.peak_frequency_error, "coherence_mean": c.coherence_mean, "passed": c.passed,
     }  # fmt: skip
 

@@ -117,7 +117,8 @@ def validation_table(found: Validation) -> Table:
     columns = (
         Column(name="Channel"), Column(name="Unit"), Column(name="σ model", decimals=4), Column(name="σ reference", decimals=4),
         Column(name="error", unit="%", decimals=2), Column(name="same waves", unit="%", decimals=2),
-        Column(name="seed scatter", unit="%", decimals=1), Column(name="RAO error", unit="%", decimals=1),
+        Column(name="quadratic drag", unit="%", decimals=2), Column(name="seed scatter", unit="%", decimals=1),
+        Column(name="RAO error", unit="%", decimals=1), Column(name="quadratic drag", unit="%", decimals=1),
         Column(name="peak", unit="Hz", decimals=4), Column(name="peak shift", unit="%", decimals=2),
         Column(name="peak height", unit="%", decimals=1), Column(name="coherence", decimals=2), Column(name=""),
     )  # fmt: skip
@@ -126,12 +127,12 @@ def validation_table(found: Validation) -> Table:
         unit, factor = people(c.unit)
         rows.append((
             c.name, unit, c.std_model * factor, c.std_reference * factor, 100 * c.std_error, 100 * c.std_error_same_waves,
-            100 * c.scatter, 100 * c.rao_error, c.peak_frequency, 100 * c.peak_frequency_error, 100 * c.peak_error,
+            100 * c.std_error_nonlinear, 100 * c.scatter, 100 * c.rao_error, 100 * c.rao_error_nonlinear, c.peak_frequency, 100 * c.peak_frequency_error, 100 * c.peak_error,
             c.coherence_mean, "ok" if c.passed else "outside",
         ))  # fmt: skip
     note = (
         f"error: σ of model over σ of reference less one, tolerance {100 * found.tolerance:g} %; same waves: model driven by the "
-        "reference's own wave records; definitions in docs/validation.md"
+        "reference's own wave records; quadratic drag: likewise, with the drag force itself; definitions in docs/validation.md"
     )
     title = f"State {found.state}: model against {len(found.files)} time series"
     return Table(name="validation", title=title, columns=columns, rows=tuple(rows), note=note)

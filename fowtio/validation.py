@@ -13,6 +13,7 @@ from fowtio.read.openfast_out import TimeSeries, read_openfast_out
 from fowtio.workflow import Model, OperatingPoint, state_excitation
 from model.response.identify import BANDS, WHOLE_BAND, Estimate, estimate, peak, rao_error, smooth_like_welch
 from model.response.loads import channel_response
+from model.response.nonlinear import record_channels, record_response
 from model.response.solve import Excitation, prepare, solve
 
 WAVE_CHANNELS = ("Wave1Elev",)
@@ -23,7 +24,8 @@ _TO_SI = {"deg": np.pi / 180, "kN": 1e3, "kN-m": 1e3, "kN·m": 1e3}
 class ChannelComparison:
     """One channel, model against reference: standard deviations, errors as fractions, coherence and resonance.
 
-    band_errors (4) over the bands of `model.response.identify`; scatter is the reference's own, from seed to seed.
+    band_errors (4) over the bands of `model.response.identify`; scatter is the reference's own, from seed to seed. The figures
+    named nonlinear are those of the model with quadratic drag itself, driven by the reference's own waves (NaN when not asked for).
     """
 
     name: str
@@ -32,10 +34,12 @@ class ChannelComparison:
     std_reference: float
     std_error: float
     std_error_same_waves: float
+    std_error_nonlinear: float
     scatter: float
     mean_model: float
     mean_reference: float
     rao_error: float
+    rao_error_nonlinear: float
     band_errors: tuple[float, ...]
     coherence_mean: float
     peak_frequency: float
@@ -65,8 +69,14 @@ class Validation:
         return all(c.passed for c in self.channels)
 
 
-def validate(model: Model, reference: Reference, *, progress: Callable[[str], None] = lambda text: None) -> Validation:
-    """Return the comparison of a state's model with reference time series of all seeds; raise ModelError or FormatError."""
+def validate(
+    model: Model, reference: Reference, *, nonlinear: bool = True, progress: Callable[[str], None] = lambda text: None
+) -> Validation:
+    """Return the comparison of a state's model with reference time series of all seeds.
+
+    nonlinear adds the model with quadratic drag itself on each record, which shows what the linearisation costs.
+    Raises ModelError or FormatError.
+    """
     state = next((s for s in model.states if s.name == reference.state), None)
     if state is None:
         raise ModelError(f"the reference names state {reference.state!r}, which the study does not have")
@@ -89,7 +99,8 @@ def validate(model: Model, reference: Reference, *, progress: Callable[[str], No
     transfer, mean = _transfer(model, point, drive, names)
     smooth, raw = _on_estimate(transfer, drive, found, fine, step)
     same_waves = _same_waves_std(hz, transfer, series, wave, reference.discard)
-    channels = _compare(model, point, names, found, waves, smooth, mean, same_waves, reference.tolerance)
+    exact = _with_quadratic_drag(model, point, drive, series, wave, names, reference.discard, progress) if nonlinear else None
+    channels = _compare(model, point, names, found, waves, smooth, mean, same_waves, exact, reference.tolerance)
     return Validation(
         state=state.name, files=tuple(str(p) for p in reference.files), channels=channels, estimate=found, model_rao=smooth,
         model_rao_raw=raw, tolerance=reference.tolerance, unmatched=unmatched,
@@ -166,12 +177,34 @@ def _same_waves_std(hz, transfer, series: list[TimeSeries], wave: str, discard: 
     return np.sqrt(np.mean(variance, axis=0))
 
 
-def _compare(model, point, names, found: Estimate, waves, smooth, mean, same_waves, tolerance) -> tuple[ChannelComparison, ...]:
+def _with_quadratic_drag(model: Model, point: OperatingPoint, drive, series, wave, names, discard, progress) -> Estimate:
+    """Return the estimate from the model with quadratic drag itself, driven by each record's own waves, cut like the records."""
+    inputs, outputs = [], []
+    for k, s in enumerate(series, start=1):
+        progress(f"quadratic drag on record {k} of {len(series)}")
+        n = len(s.time) - 1
+        step = (s.time[-1] - s.time[0]) / n
+        elevation = s.channel(wave)[:n]
+        try:
+            response = record_response(point.system, point.mean, elevation, step, drive,
+                                       low_frequency=model.case.options.low_frequency_excitation)  # fmt: skip
+        except ValueError as error:
+            raise ModelError(f"{s.source}: {error}") from None
+        start = round(discard / step)
+        inputs.append(elevation[start:])
+        outputs.append(record_channels(point.outputs, response, names)[start:])
+    return estimate(inputs, outputs, step)
+
+
+def _compare(model, point, names, found: Estimate, waves, smooth, mean, same_waves, exact: Estimate | None, tolerance) -> tuple[ChannelComparison, ...]:
     f, step = found.frequency, found.frequency[1]
     band = (f >= WHOLE_BAND[0] / 3) & np.isfinite(smooth).all(axis=1)
     std_model = np.sqrt((smooth[band] ** 2 * waves[band, None]).sum(axis=0) * step)
     reference = np.nan_to_num(found.energy_rao)
     errors = rao_error(np.nan_to_num(smooth), reference, found.input_spectrum, f)
+    lost = np.full(len(names), np.nan)
+    nonlinear = lost if exact is None else exact.std / found.std - 1
+    rao_nonlinear = lost if exact is None else rao_error(np.nan_to_num(exact.energy_rao), reference, found.input_spectrum, f)
     per_band = np.array([rao_error(np.nan_to_num(smooth), reference, found.input_spectrum, f, b) for b in BANDS])
     inside = (f >= WHOLE_BAND[0]) & (f <= WHOLE_BAND[1])
     coherence = found.coherence[inside].mean(axis=0)
@@ -185,6 +218,7 @@ def _compare(model, point, names, found: Estimate, waves, smooth, mean, same_wav
             ChannelComparison(
                 name=name, unit=point.outputs.units[point.outputs.names.index(name)], std_model=std_model[k],
                 std_reference=found.std[k], std_error=error, std_error_same_waves=same_waves[k] / found.std[k] - 1,
+                std_error_nonlinear=nonlinear[k], rao_error_nonlinear=rao_nonlinear[k],
                 scatter=found.scatter[k], mean_model=mean[k], mean_reference=found.mean[k], rao_error=errors[k],
                 band_errors=tuple(per_band[:, k]), coherence_mean=coherence[k], peak_frequency=f_ref,
                 peak_frequency_error=f_model / f_ref - 1, peak_error=h_model / h_ref - 1, passed=bool(abs(error) <= tolerance),

@@ -21,7 +21,7 @@ from fowtio.write import tables
 from fowtio.write.atomic import atomic_file
 from fowtio.write.netcdf import CONVENTIONS
 from fowtio.write.provenance import command, version
-from fowtio.write.quantities import has_wind, people, point_label, split_spectra, state_label
+from fowtio.write.quantities import has_wind, people, point_label, split_spectra, squared, state_label
 from fowtio.write.table import Column, Table, excel_format, joined
 
 _BOLD, _TITLE, _FILL = Font(bold=True), Font(bold=True, size=13), PatternFill("solid", fgColor="DCE6F1")
@@ -183,13 +183,13 @@ def _rao(item) -> tuple[list[str], np.ndarray, list[str]]:
     channels, drive = item.channels, item.response.excitation
     blocks = [(f"{np.degrees(h):g}°" if len(drive.heading) > 1 else "", "m", item.channels.to_wave[k]) for k, h in enumerate(drive.heading)]
     blocks += [("wind", "(m/s)", channels.to_wind)] if has_wind(item) else []
-    headings, columns = ["Frequency (Hz)"], [drive.omega / (2 * np.pi)]
+    headings, columns = ["Frequency [Hz]"], [drive.omega / (2 * np.pi)]
     for label, per, values in blocks:
         phases = np.degrees(np.angle(values))
         for k, name in enumerate(channels.names):
             unit, factor = people(channels.units[k])
             place = f" {label}" if label else ""
-            headings += [f"{name}{place} ({unit}/{per})", f"{name}{place} phase (deg)"]
+            headings += [f"{name}{place} [{unit}/{per}]", f"{name}{place} phase [deg]"]
             columns += [np.abs(values[:, k]) * factor, phases[:, k]]
     formats = ["0.00000", *(["0.0000E+00", "0.0"] * ((len(headings) - 1) // 2))]
     return headings, np.stack(columns, axis=1), formats
@@ -199,18 +199,17 @@ def _spectra(item) -> tuple[list[str], np.ndarray, list[str]]:
     """Return headings and spectra per Hz of waves, wind and all channels, and what wind gives of each where there is any."""
     drive, channels = item.response.excitation, item.channels
     per_hertz = 2 * np.pi
-    headings = ["Frequency (Hz)", "Waves (m²/Hz)"]
+    headings = ["Frequency [Hz]", "Waves [m²/Hz]"]
     columns = [drive.omega / per_hertz, drive.wave_spectrum.sum(axis=0) * per_hertz]
     wind = split_spectra(item)[1] if has_wind(item) else None
     if wind is not None:
-        headings.append("Wind ((m/s)²/Hz)")
+        headings.append("Wind [(m/s)²/Hz]")
         columns.append(drive.wind_spectrum * per_hertz)
     for k, name in enumerate(channels.names):
         unit, factor = people(channels.units[k])
-        square = f"({unit})²/Hz" if " " in unit or "/" in unit else f"{unit}²/Hz"
         for label, values in ((name, item.spectra), (f"{name} of wind", wind)):
             if values is not None:
-                headings.append(f"{label} ({square})")
+                headings.append(f"{label} [{squared(unit)}/Hz]")
                 columns.append(values[:, k] * factor**2 * per_hertz)
     return headings, np.stack(columns, axis=1), ["0.00000", *(["0.0000E+00"] * (len(headings) - 1))]
 

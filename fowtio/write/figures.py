@@ -19,10 +19,12 @@ from fowtio.write.quantities import (
     channel_label,
     drawn,
     has_wind,
+    panel_label,
     people,
     point_label,
     slug,
     split_spectra,
+    squared,
     state_label,
     tension_channels,
 )
@@ -42,7 +44,7 @@ from fowtio.write.style import (
     unwrapped,
 )
 from model.system.hydro import excitation_at, infinite_added_mass, radiation_at
-from model.system.mooring import force_offset_curve, line_profiles, mooring_state
+from model.system.mooring import force_offset_curve, line_profiles
 
 NACELLE = ("NcIMUTAxs", "NcIMUTAys")
 HULL = (("surge", 0), ("heave", 2), ("pitch", 4))
@@ -101,7 +103,8 @@ def rao_waves(found: Sequence[tuple], channels: Sequence[str], kind: str, title:
 def rao_wind(items: Sequence) -> Drawing:
     """Return magnitude and phase of motions and loads per m/s of the wind that the rotor sees."""
     speed = items[0].point.wind_speed
-    chosen = ("PtfmSurge", "PtfmPitch", "PtfmYaw", "TTDspFA", "TwrBsFxt", "TwrBsMyt", "NcIMUTAxs", *_tensions(items[0]))[: 2 * COLUMNS]
+    tensions = sorted(_tensions(items[0]), key=lambda n: -items[0].statistics.std[items[0].channels.index(n)])
+    chosen = ("PtfmSurge", "PtfmPitch", "PtfmYaw", "TTDspFA", "TwrBsFxt", "TwrBsMyt", "NcIMUTAxs", *tensions[:1])
     figure, few = _transfer(items, [i.channels.to_wind for i in items], chosen, "(m/s)")
     return Drawing(
         name=f"rao_wind_{slug(point_label(speed))}", group="rao_wind", title=f"Motions and loads from wind: {point_label(speed)}",
@@ -118,7 +121,7 @@ def _transfer(items: Sequence, values: Sequence[np.ndarray], channels: Sequence[
     shown = [wanted[i] for i in shown]
     blocks = -(-len(shown) // COLUMNS)
     columns = max(2, -(-len(shown) // blocks))
-    figure, axes = grid(2 * blocks, columns, height=1.9, ratios=[1.0, 0.5] * blocks, gap=0.42)
+    figure, axes = grid(2 * blocks, columns, ratios=(1.0, 0.48), gaps=(0.14, 0.78))
     hertz = [i.response.excitation.omega / (2 * np.pi) for i in items]
     handles = []
     for panel in range(blocks * columns):
@@ -133,15 +136,15 @@ def _transfer(items: Sequence, values: Sequence[np.ndarray], channels: Sequence[
         handles = [
             upper.plot(f, m, color=COLOURS[n % 6], ls=DASHES[n // 6 % 4])[0] for n, (f, m) in enumerate(zip(hertz, magnitude, strict=True))
         ]  # fmt: skip
-        log_axis(upper, np.concatenate(magnitude), 3.5)
-        upper.set_title(f"{channel_label(names[k])} ({unit}/{per})")
+        log_axis(upper, np.concatenate(magnitude))
+        upper.set_title(f"{panel_label(names[k])} [{unit}/{per}]")
         for n, (f, v, m) in enumerate(zip(hertz, values, magnitude, strict=True)):
             phase = np.where(m > m.max() * 1e-4, np.degrees(np.angle(v[:, k])), np.nan)
             lower.plot(f, unwrapped(phase), color=COLOURS[n % 6], ls=DASHES[n // 6 % 4], lw=1.1)
         lower.set_ylim(-190, 190)
         lower.yaxis.set_major_locator(MultipleLocator(180))
         if panel % columns == 0:
-            lower.set_ylabel("Phase (deg)")
+            lower.set_ylabel("Phase [deg]")
             upper.set_ylabel("Magnitude")
         for ax in (upper, lower):
             frequency_axis(ax, hertz[0][0], hertz[0][-1], label=ax is lower)
@@ -172,9 +175,10 @@ def spectra(item, channels: Sequence[str], kind: str, title: str) -> Drawing:
     for k in shown:
         unit, scale = people(units[k])
         scale = scale**2 * factor
-        panels.append((channel_label(names[k]), unit, waves[:, k] * scale, wind[:, k] * scale if has_wind(item) else None, std[k] * people(units[k])[1]))
-    columns = min(COLUMNS, len(panels))
-    figure, axes = grid(-(-len(panels) // columns), columns, height=1.75, gap=0.66)
+        panels.append((panel_label(names[k]), unit, waves[:, k] * scale, wind[:, k] * scale if has_wind(item) else None, std[k] * people(units[k])[1]))
+    rows = -(-len(panels) // COLUMNS)
+    columns = -(-len(panels) // rows)
+    figure, axes = grid(rows, columns)
     for place, ax in enumerate(axes.flat):
         if place >= len(panels):
             ax.remove()
@@ -204,11 +208,10 @@ def _spectrum(ax, hertz, label: str, unit: str, waves, wind, std: float | None) 
     for part, colour in ((waves, BLUE), (wind, ORANGE)):
         if part is not None and np.any(part):
             ax.plot(hertz, np.where(part > 0, part, np.nan), color=colour, lw=1.3)
-    log_axis(ax, total, 5.0)
-    square = f"({unit})²/Hz" if " " in unit or "/" in unit else f"{unit}²/Hz"
-    ax.set_title(f"{label} ({square})")
+    log_axis(ax, total, 4.7, headroom=20)
+    ax.set_title(f"{label} [{squared(unit)}/Hz]")
     if std is not None:
-        ax.text(0.985, 0.95, f"σ = {std:.3g} {unit}", transform=ax.transAxes, ha="right", va="top", fontsize=8, bbox={"fc": "white", "ec": "none", "alpha": 0.75, "pad": 1.2})
+        ax.text(0.985, 0.95, f"σ = {std:.3g} {unit}", transform=ax.transAxes, ha="right", va="top", fontsize=8.5)
 
 
 def hull(model) -> Drawing:
@@ -219,23 +222,25 @@ def hull(model) -> Drawing:
     added, damping = radiation_at(hydro, omega)
     headings = sorted({float(s.sea.heading) for s in model.states if s.sea.kind != "still"} or {0.0})
     force = np.abs(excitation_at(hydro, omega, np.array(headings)))
-    figure, axes = grid(3, 3, height=1.7, gap=0.5, between=0.75)
+    figure, axes = grid(3, 3, height=1.7, between=0.75)
     for j, (dof, k) in enumerate(HULL):
         turn = dof == "pitch"
         scale, mass_unit, damping_unit, force_unit = (1e-9, "10⁶ t m²", "GN m s", "MN m/m") if turn else (1e-3, "t", "kN s/m", "kN/m")
         label = dof.capitalize()
         axes[0, j].plot(hertz, added[:, k, k] * scale, color=BLUE)
         axes[0, j].axhline(infinite_added_mass(hydro)[k, k] * scale, color=GREY, lw=1, ls=(0, (4, 3)))
-        axes[0, j].set_title(f"{label} added mass ({mass_unit})")
+        axes[0, j].set_title(f"{label} added mass [{mass_unit}]")
         axes[1, j].plot(hertz, damping[:, k, k] * scale, color=BLUE)
-        axes[1, j].set_title(f"{label} radiation damping ({damping_unit})")
+        axes[1, j].set_title(f"{label} radiation damping [{damping_unit}]")
         handles = [axes[2, j].plot(hertz, f[:, k] * (1e-6 if turn else 1e-3), color=COLOURS[n % 6], ls=DASHES[n // 6 % 4])[0] for n, f in enumerate(force)]
-        axes[2, j].set_title(f"{label} excitation ({force_unit})")
-        axes[2, j].set_xlabel("Frequency (Hz)")
+        axes[2, j].set_title(f"{label} excitation [{force_unit}]")
+        axes[2, j].set_xlabel("Frequency [Hz]")
         for ax in axes[:, j]:
-            ax.set_ylim(0 if ax.get_ylim()[0] > 0 or ax is axes[2, j] else None)
+            low, high = (f([f(line.get_ydata()) for line in ax.lines]) for f in (min, max))
+            ax.set_ylim(1.08 * min(low, 0.0), 1.08 * high or 1.0)
             ax.set_xlim(0, hertz[-1])
             ax.yaxis.set_major_locator(MaxNLocator(4))
+            ax.xaxis.set_major_formatter("{x:g}")
     legend(figure, handles, [f"waves {np.degrees(h):g}°" for h in headings])
     caption = "About the reference point. Dashed: infinite frequency. Excitation per metre of wave amplitude."
     return Drawing(name="hull", group="hull", title="Hull: added mass, radiation damping, excitation", caption=caption, figure=figure)
@@ -244,32 +249,32 @@ def hull(model) -> Drawing:
 def mooring_layout(model) -> Drawing:
     """Return the moorings from the side and from above, at rest and at every mean offset."""
     system = model.deck.mooring
-    cases = [("zero offset", np.zeros(6), mooring_state(system, np.zeros(6)), GREY)]
-    for n, point in enumerate(model.points):
-        cases.append((point_label(point.wind_speed), point.mean.mooring.offset, point.mean.mooring, COLOURS[n % 6]))
-    figure, axes = grid(1, 2, height=3.9, top=0.55, between=0.8)
+    figure, axes = grid(1, 2, height=3.9, between=0.8)
     side, plan = axes[0]
     handles = []
-    for label, offset, state, colour in cases:
-        lines = line_profiles(system, state)[0]
-        for line in lines:
-            plan.plot(line[:, 0], line[:, 1], color=colour, lw=1.2)
-            handle = side.plot(line[:, 0], line[:, 2], color=colour, lw=1.2)[0]
-        plan.plot(*offset[:2], "o", color=colour, ms=4)
-        side.plot(offset[0], offset[2], "o", color=colour, ms=4)
-        handles.append((handle, label))
+    for n, point in enumerate(model.points):
+        state, colour = point.mean.mooring, COLOURS[n % 6]
+        place = state.offset[:3]
+        for line, shape in enumerate(line_profiles(system, state)[0]):
+            for ax, k in ((plan, 1), (side, 2)):
+                handle = ax.plot(shape[:, 0], shape[:, k], color=colour, lw=1.3)[0]
+                if system.point_kind[system.end_b[line]] == "vessel":
+                    ax.plot([shape[-1, 0], place[0]], [shape[-1, k], place[k]], color=colour, lw=0.8, alpha=0.6)
+        for ax, k in ((plan, 1), (side, 2)):
+            ax.plot(place[0], place[k], "o", color=colour, ms=4)
+        handles.append(handle)
     side.axhline(0, color="#56B4E9", lw=1)
-    side.axhline(-system.depth, color="#8C6D46", lw=1.4)
-    side.set(xlabel="x (m)", ylabel="z (m)", title="From the side")
-    side.set_ylim(-1.08 * system.depth, 0.25 * system.depth)
-    plan.set(xlabel="x (m)", ylabel="y (m)", title="From above")
+    side.axhline(-system.depth, color="#8C6D46", lw=1.2, zorder=0.9)
+    side.set(xlabel="x [m]", title="From the side, z [m]", ylim=(-1.08 * system.depth, 0.15 * system.depth))
+    plan.set(xlabel="x [m]", title="From above, y [m]")
     plan.set_aspect("equal", adjustable="datalim")
     for k, name in enumerate(system.line_names):
-        far, near = system.position[system.end_a[k]], system.position[system.end_b[k]]
-        x, y = far[:2] + 0.08 * (near - far)[:2]
-        plan.annotate(str(name), (x, y), xytext=(5, 5), textcoords="offset points", fontsize=8.5)
-    legend(figure, *zip(*handles, strict=True))
-    return Drawing(name="moorings", group="moorings", title="Moorings at rest and at the mean offsets", caption="Vertical scale of the side view enlarged.", figure=figure)
+        far, near = (system.position[end[k], :2] for end in (system.end_a, system.end_b))
+        way = (near - far) / max(np.hypot(*(near - far)), 1e-9)
+        plan.annotate(str(name), far + 0.12 * (near - far), xytext=(-9 * way[1], 9 * way[0]), textcoords="offset points", ha="center", va="center")
+    legend(figure, handles, [point_label(p.wind_speed) for p in model.points])
+    caption = "Lines at the mean offset of each operating point, thin lines from the fairleads to the platform's reference point. Vertical scale of the side view enlarged."
+    return Drawing(name="moorings", group="moorings", title="Moorings at the mean offsets", caption=caption, figure=figure)
 
 
 def mooring_curve(model) -> Drawing:
@@ -277,19 +282,20 @@ def mooring_curve(model) -> Drawing:
     system = model.deck.mooring
     reach = 1.5 * max(float(np.abs(p.mean.offset[:2]).max()) for p in model.points)
     reach = max(reach, 0.05 * system.depth if np.isfinite(system.depth) else 10.0)
-    figure, axes = grid(1, 2, height=2.9, top=0.55, between=0.8)
+    figure, axes = grid(1, 2, height=2.8, top=0.35, between=0.8)
     force_axis, tension_axis = axes[0]
     for name, heading, colour in (("x", 0.0, BLUE), ("y", np.pi / 2, ORANGE)):
         offsets, force, state = _curve(system, heading, reach)
         force_axis.plot(offsets, force * 1e-3, color=colour, label=f"along {name}")
         if name == "x":
             for k, line in enumerate(system.line_names):
-                tension_axis.plot(offsets, state.fairlead_tension[:, k] * 1e-3, color=COLOURS[k % 6], ls=DASHES[k // 6 % 4], label=f"line {line}")
+                tension_axis.plot(offsets, state.fairlead_tension[:, k] * 1e-3, color=COLOURS[k % 6], ls=DASHES[k % 4], label=f"line {line}")
     for point in model.points:
-        force_axis.plot(point.mean.offset[0], -point.mean.mooring.force[0] * 1e-3, "o", color=INK, ms=4)
-        force_axis.annotate(point_label(point.wind_speed), (point.mean.offset[0], -point.mean.mooring.force[0] * 1e-3), xytext=(7, -9), textcoords="offset points", fontsize=8)
-    force_axis.set(xlabel="Offset (m)", ylabel="Restoring force (kN)", title="Restoring force")
-    tension_axis.set(xlabel="Offset along x (m)", ylabel="Fairlead tension (kN)", title="Fairlead tension")
+        at = (point.mean.mooring.offset[0], -point.mean.mooring.force[0] * 1e-3)
+        force_axis.plot(*at, "o", color=INK, ms=4)
+        force_axis.annotate(point_label(point.wind_speed), at, xytext=(7, -9), textcoords="offset points", fontsize=8)
+    force_axis.set(xlabel="Offset [m]", title="Restoring force [kN]")
+    tension_axis.set(xlabel="Offset along x [m]", title="Fairlead tension [kN]")
     force_axis.legend(loc="upper left")
     tension_axis.legend(loc="upper center", ncols=min(len(system.line_names), 3))
     caption = "Platform moved horizontally without rotation. Dots: mean offsets of the operating points."

@@ -10,6 +10,7 @@ import re
 import numpy as np
 
 from model.conventions import PLATFORM_DOFS
+from model.response.loads import spectra_by_cause
 
 DOF_LABELS = {
     "surge": "Surge", "sway": "Sway", "heave": "Heave", "roll": "Roll", "pitch": "Pitch", "yaw": "Yaw",
@@ -24,6 +25,10 @@ CHANNEL_LABELS = {
 CHANNEL_DOFS = {
     "PtfmSurge": "surge", "PtfmSway": "sway", "PtfmHeave": "heave", "PtfmRoll": "roll", "PtfmPitch": "pitch", "PtfmYaw": "yaw",
     "TTDspFA": "tower_fa1", "TTDspSS": "tower_ss1",
+}  # fmt: skip
+PANEL_LABELS = {
+    "TTDspFA": "Tower top x", "TTDspSS": "Tower top y", "NcIMUTAxs": "Nacelle acc. x", "NcIMUTAys": "Nacelle acc. y",
+    "TwrBsFxt": "Tower-base shear x", "TwrBsFyt": "Tower-base shear y", "TwrBsMyt": "Tower-base moment y", "TwrBsMxt": "Tower-base moment x",
 }  # fmt: skip
 MOTIONS = tuple(CHANNEL_DOFS)
 TOWER_BASE = ("TwrBsFxt", "TwrBsFyt", "TwrBsMyt", "TwrBsMxt")
@@ -54,6 +59,16 @@ def channel_label(name: str) -> str:
     """Return the name of a channel for people."""
     line = re.fullmatch(r"T\[(\d+)\]", name)
     return f"Fairlead tension {line[1]}" if line else CHANNEL_LABELS.get(name, name)
+
+
+def panel_label(name: str) -> str:
+    """Return a short name of a channel, for the head of a small panel."""
+    return PANEL_LABELS.get(name) or channel_label(name)
+
+
+def squared(unit: str) -> str:
+    """Return the square of a unit."""
+    return f"({unit})²" if " " in unit or "/" in unit else f"{unit}²"
 
 
 def tension_channels(names) -> list[int]:
@@ -98,9 +113,7 @@ def slug(text: str) -> str:
 
 def split_spectra(item) -> tuple[np.ndarray, np.ndarray]:
     """Return the parts of a state's response spectra (n, c) [unit2/(rad/s)] that waves and wind cause."""
-    drive = item.response.excitation
-    waves = np.einsum("mnc,mn->nc", np.abs(item.channels.to_wave) ** 2, drive.wave_spectrum)
-    return waves, np.abs(item.channels.to_wind) ** 2 * drive.wind_spectrum[:, None]
+    return spectra_by_cause(item.channels, item.response)
 
 
 def has_wind(item) -> bool:

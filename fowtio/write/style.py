@@ -57,23 +57,25 @@ class Picture:
     svg: str
 
 
-def grid(rows: int, columns: int, *, width: float = 11.0, height: float = 2.4, ratios: Sequence[float] | None = None, top: float = 0.5, gap: float = 0.55, between: float = 0.62):
+def grid(rows: int, columns: int, *, width: float = 11.0, height: float = 1.9, ratios=(1.0,), gaps=(0.5,), top: float = 0.55, between: float = 0.65):
     """Return a figure and its axes (rows, columns) with margins in inches, so that no layout has to be searched.
 
-    width of all, height of a row of ratio 1, ratios of the rows, top margin, gap between rows, between columns [in].
+    width of all, height of a row of ratio 1, ratios of the rows and gaps below them (both repeated), top margin, gap between
+    columns [in].
     """
-    ratios = list(ratios or [1.0] * rows)
-    left, right, bottom = 0.68, 0.15, 0.5
-    total = top + bottom + height * sum(ratios) + gap * (rows - 1)
+    left, right, bottom = 0.7, 0.22, 0.5
+    heights = [height * ratios[i % len(ratios)] for i in range(rows)]
+    below = [gaps[i % len(gaps)] for i in range(rows - 1)] + [bottom]
+    total = top + sum(heights) + sum(below)
     figure = Figure(figsize=(width, total))
     wide = (width - left - right - between * (columns - 1)) / columns
     axes = np.empty((rows, columns), dtype=object)
     y = total - top
-    for i, ratio in enumerate(ratios):
-        y -= ratio * height
+    for i in range(rows):
+        y -= heights[i]
         for j in range(columns):
-            axes[i, j] = figure.add_axes([(left + j * (wide + between)) / width, y / total, wide / width, ratio * height / total])
-        y -= gap
+            axes[i, j] = figure.add_axes([(left + j * (wide + between)) / width, y / total, wide / width, heights[i] / total])
+        y -= below[i]
     return figure, axes
 
 
@@ -81,7 +83,7 @@ def save(drawing: Drawing, folder: Path) -> Picture:
     """Write a drawing as PNG and SVG into a folder and return it as a picture."""
     with mpl.rc_context({**RC, "svg.hashsalt": drawing.name}):
         drawing.figure.set_dpi(DPI)
-        FigureCanvasAgg(drawing.figure).print_png(folder / f"{drawing.name}.png")
+        FigureCanvasAgg(drawing.figure).print_png(folder / f"{drawing.name}.png", pil_kwargs={"compress_level": 4})
         svg = _svg(drawing.figure)
     (folder / f"{drawing.name}.svg").write_text(svg, encoding="utf-8")
     return Picture(name=drawing.name, group=drawing.group, title=drawing.title, caption=drawing.caption, svg=svg)
@@ -101,23 +103,21 @@ def frequency_axis(ax: Axes, low: float, high: float, label: bool = True) -> Non
     """Make x a logarithmic frequency axis in Hz with plain numbers."""
     ax.set_xscale("log")
     ax.set_xlim(low, high)
-    ticks = [t for t in (m * 10.0**e for e in range(-5, 3) for m in (1, 2, 5)) if low <= t <= high]
-    if len(ticks) > 8:
-        ticks = [t for t in ticks if not math.isclose(t / 10 ** math.floor(math.log10(t * 1.0001)), 2)]
+    ticks = [t for t in (m * 10.0**e for e in range(-5, 3) for m in (1, 3)) if low * 0.999 <= t <= high]
     ax.xaxis.set_major_locator(FixedLocator(ticks))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
     ax.xaxis.set_minor_locator(NullLocator())
     if label:
-        ax.set_xlabel("Frequency (Hz)")
+        ax.set_xlabel("Frequency [Hz]")
     else:
         ax.xaxis.set_major_formatter(NullFormatter())
 
 
-def log_axis(ax: Axes, values: np.ndarray, decades: float = 3.0) -> None:
-    """Make y logarithmic, from the largest of values down some decades, with plain numbers."""
-    top = float(np.nanmax(values)) * 2
+def log_axis(ax: Axes, values: np.ndarray, decades: float = 3.5, headroom: float = 2.0) -> None:
+    """Make y logarithmic, from the largest of values (times headroom) down some decades, with plain numbers."""
+    top = float(np.nanmax(values))
     ax.set_yscale("log")
-    ax.set_ylim(top * 10**-decades, top)
+    ax.set_ylim(top * 10**-decades, top * headroom)
     ax.yaxis.set_major_locator(LogLocator(numticks=6))
     ax.yaxis.set_minor_locator(NullLocator())
     ax.yaxis.set_major_formatter(FuncFormatter(plain))

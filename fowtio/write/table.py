@@ -28,7 +28,7 @@ class Column:
     @property
     def heading(self) -> str:
         """Name and unit in one."""
-        return f"{self.name} ({self.unit})" if self.unit not in ("", ROW) else self.name
+        return f"{self.name} [{self.unit}]" if self.unit not in ("", ROW) else self.name
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -402,21 +402,24 @@ def as_moorpy(system):
 
 
 def check_against_moorpy(system, offset):
-    """Forces, tensions at both ends and the full 6x6 (at zero rotation the conventions agree) within 0.1 %."""
+    """Forces, tensions at both ends and the full 6x6 (at zero rotation the conventions agree) within 0.01 %.
+
+    MoorPy stops iterating a line at 1e-6 of its size, which leaves about 1e-6 in tensions and 1e-5 in the stiffness.
+    """
     other = as_moorpy(system)
     other.bodyList[0].setPosition(np.array(offset))
     other.solveEquilibrium(tol=1e-5)
     s = mooring_state(system, offset)
-    np.testing.assert_allclose(s.fairlead_tension, [line.TB for line in other.lineList], rtol=1e-3)
-    np.testing.assert_allclose(s.anchor_tension, [line.TA for line in other.lineList], rtol=1e-3)
+    np.testing.assert_allclose(s.fairlead_tension, [line.TB for line in other.lineList], rtol=1e-4)
+    np.testing.assert_allclose(s.anchor_tension, [line.TA for line in other.lineList], rtol=1e-4)
     force = other.bodyList[0].getForces(lines_only=True)
-    np.testing.assert_allclose(s.force[:3], force[:3], atol=1e-3 * np.abs(force[:3]).max())
-    np.testing.assert_allclose(s.force[3:], force[3:], atol=1e-3 * max(np.abs(force[3:]).max(), np.abs(force).max()))
+    np.testing.assert_allclose(s.force[:3], force[:3], atol=1e-4 * np.abs(force[:3]).max())
+    np.testing.assert_allclose(s.force[3:], force[3:], atol=1e-4 * max(np.abs(force[3:]).max(), np.abs(force).max()))
     stiffness = other.getCoupledStiffnessA(lines_only=True)
     for rows in (slice(0, 3), slice(3, 6)):
         for columns in (slice(0, 3), slice(3, 6)):
             theirs = stiffness[rows, columns]
-            atol = 1e-3 * max(np.abs(theirs).max(), 1e-3 * np.abs(stiffness[rows]).max())
+            atol = 1e-4 * max(np.abs(theirs).max(), 1e-3 * np.abs(stiffness[rows]).max())
             np.testing.assert_allclose(s.stiffness[rows, columns], theirs, atol=atol)
 
 
@@ -426,7 +429,7 @@ def test_agrees_with_moorpy(offset):
 
 
 @pytest.mark.parametrize("kind", ["clump weight", "tendons", "delta lines", "uplift"])
-@pytest.mark.parametrize("surge", [1.0, 5.0])  # MoorPy rounds off lines that are vertical to 1e-4
+@pytest.mark.parametrize("surge", [5.0, 8.0])  # not upright: MoorPy loses digits in nearly vertical lines
 def test_joints_and_tendons_agree_with_moorpy(kind, surge):
     system = replace(KINDS[kind], seabed_friction=np.zeros(len(KINDS[kind].length)))
     check_against_moorpy(system, np.array([surge, 0, 0, 0, 0, 0]))

@@ -1,0 +1,104 @@
+"""The same model with the drag force itself instead of its linearisation, for one wave record: between time and frequency.
+
+Everything but drag is linear and is solved in the frequency domain; drag is evaluated in time on the record's samples
+and brought back by Fourier transform, until both agree (alternating frequency-time harmonic balance; Cameron and
+Griffin, J. Appl. Mech. 56, 1989). The record is periodic, as OpenFAST's waves are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.conventions import PLATFORM_DOFS
+from model.response.assemble import Equilibrium, System
+from model.response.loads import LinearOutputs
+from model.response.solve import Excitation, _dynamic_stiffness, prepare, solve
+from model.system.drag import element_motion
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RecordResponse:
+    """Response to one wave record: amplitudes (k, q) complex of the degrees of freedom on omega (k) [rad/s], of a record of
+    `samples` values every `step` [s]; iterations that the drag force took, and the relative change of the last.
+    """
+
+    omega: np.ndarray
+    amplitude: np.ndarray
+    samples: int
+    step: float
+    iterations: int
+    change: float
+
+
+def record_response(
+    system: System,
+    mean: Equilibrium,
+    elevation,
+    step: float,
+    drive: Excitation,
+    *,
+    highest: float = 2 * np.pi * 0.6,
+    low_frequency: str = "hold",
+    tolerance: float = 1e-4,
+    limit: int = 60,
+) -> RecordResponse:
+    """Return the steady response to a periodic record of wave elevation with quadratic drag as it is.
+
+    elevation (t) [m] every step [s]; drive holds the heading and a spectrum for the linearisation that the iteration
+    starts from; highest [rad/s] above which nothing is solved. Raises ValueError when the iteration does not converge.
+    """
+    elevation = np.asarray(elevation, dtype=float)
+    count = len(elevation)
+    omega = 2 * np.pi * np.fft.rfftfreq(count, step)
+    keep = slice(1, int(np.searchsorted(omega, highest)))
+    waves, omega = np.fft.rfft(elevation)[keep], omega[keep]
+    grid = prepare(system, omega, drive.heading[:1], low_frequency=low_frequency)
+    rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
+    here = system.platform
+    start = solve(system, mean, drive, grid=prepare(system, drive.omega, drive.heading, low_frequency=low_frequency))
+    damping = start.drag_damping[np.ix_(rows, rows)]
+    stiffness = _dynamic_stiffness(system, mean, grid, here, rows)
+    stiffness[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * damping
+    inverse = np.linalg.inv(stiffness)
+    motion = element_motion(system.drag, grid.directions).reshape(-1, 6)[:, rows]
+    force = np.zeros((len(omega), len(system.dofs)), dtype=complex)
+    force[:, here] = (grid.wave_force[0] * waves[:, None])[:, rows]
+    water = _to_time((grid.water[0] * waves).T, keep, count)
+    amplitude, change = np.einsum("kij,kj->ki", inverse, force), np.inf
+    for iterations in range(1, limit + 1):
+        rate = 1j * omega[:, None] * amplitude[:, here]
+        drag = _drag_force(system, motion, water - _to_time(rate, keep, count) @ motion.T)
+        total = force.copy()
+        total[:, here] += np.fft.rfft(drag, axis=0)[keep] + rate @ damping.T
+        new = np.einsum("kij,kj->ki", inverse, total)
+        change = float(np.max(np.linalg.norm(new - amplitude, axis=0) / np.maximum(np.linalg.norm(new, axis=0), 1e-9 * np.linalg.norm(new))))
+        amplitude = new
+        if change < tolerance:
+            break
+    else:
+        raise ValueError(f"drag did not converge on the wave record: change {change:.2g} after {limit} iterations")
+    return RecordResponse(omega=omega, amplitude=amplitude, samples=count, step=step, iterations=iterations, change=change)
+
+
+def record_channels(outputs: LinearOutputs, response: RecordResponse, names=None) -> np.ndarray:
+    """Return the time series (t, c) of channels, deviations from the mean, by default all of them."""
+    index = [outputs.names.index(n) for n in (names or outputs.names)]
+    iw, x = 1j * response.omega[:, None], response.amplitude
+    amplitude = x @ outputs.position[index].T + iw * (x @ outputs.velocity[index].T) + iw**2 * (x @ outputs.acceleration[index].T)
+    return _to_time(amplitude, slice(1, 1 + len(response.omega)), response.samples)
+
+
+def _drag_force(system: System, motion: np.ndarray, relative: np.ndarray) -> np.ndarray:
+    """Return the drag force (t, r) on the platform motions kept, for relative velocities (t, 2 s) along the resisted directions."""
+    pairs = relative.reshape(len(relative), -1, 2)
+    speed = np.sqrt(pairs[..., 0] ** 2 + pairs[..., 1] ** 2)
+    return ((system.drag.factor * speed)[..., None] * pairs).reshape(len(relative), -1) @ motion
+
+
+def _to_time(amplitude: np.ndarray, keep: slice, count: int) -> np.ndarray:
+    """Return the time series (t, ...) of one-sided Fourier amplitudes (k, ...)."""
+    full = np.zeros((count // 2 + 1, *amplitude.shape[1:]), dtype=complex)
+    full[keep] = amplitude
+    return np.fft.irfft(full, count, axis=0)
