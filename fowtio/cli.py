@@ -124,7 +124,7 @@ def validate(
     with terminal.Progress(quiet=quiet or json) as say:
         model = build(study, progress=say)
         found = [compare(model, reference, nonlinear=quadratic, progress=say) for reference in study.references]
-        files = write_validation(model, found, out or Path("results") / f"{case.stem}_validation", progress=say)
+        files = write_validation(found, out or Path("results") / f"{case.stem}_validation", progress=say)
     if json:
         _print_json(report_data.validation_json(found, files))
     elif not quiet:

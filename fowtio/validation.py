@@ -51,7 +51,7 @@ class ChannelComparison:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Validation:
     """A comparison of one state with its time series: channels, the estimate, the model's RAO smoothed and raw on the
-    estimate's frequencies (n, c), and reference channels that the model does not have.
+    estimate's frequencies (n, c), that with quadratic drag itself, and reference channels that the model does not have.
     """
 
     state: str
@@ -60,6 +60,7 @@ class Validation:
     estimate: Estimate
     model_rao: np.ndarray
     model_rao_raw: np.ndarray
+    quadratic_rao: np.ndarray | None
     tolerance: float
     unmatched: tuple[str, ...]
 
@@ -103,7 +104,7 @@ def validate(
     channels = _compare(model, point, names, found, waves, smooth, mean, same_waves, exact, reference.tolerance)
     return Validation(
         state=state.name, files=tuple(str(p) for p in reference.files), channels=channels, estimate=found, model_rao=smooth,
-        model_rao_raw=raw, tolerance=reference.tolerance, unmatched=unmatched,
+        model_rao_raw=raw, quadratic_rao=None if exact is None else exact.energy_rao, tolerance=reference.tolerance, unmatched=unmatched,
     )  # fmt: skip
 
 
@@ -238,9 +239,9 @@ def _resonance(model: Model, point: OperatingPoint, reference: np.ndarray, f: np
     return 0.75 * best, 1.25 * best
 
 
-def write_validation(model: Model, found: list[Validation], folder, *, progress: Callable[[str], None] = lambda text: None) -> list:
-    """Write the comparison as a workbook and the RAO figures as PNG and SVG; return the files written."""
+def write_validation(found: list[Validation], folder, *, progress: Callable[[str], None] = lambda text: None) -> list:
+    """Write the comparison: RAO figures as PNG and SVG, tables as CSV; return the files written."""
     from fowtio.write.validation import write_comparison
 
     progress("writing the comparison")
-    return write_comparison(model, found, folder)
+    return write_comparison(found, folder)

@@ -17,6 +17,7 @@ from fowtio.read.text import number, numbers, read_lines
 
 _TOKEN = re.compile(r'"[^"]*"|\'[^\']*\'|[^\s,]+')
 _NAME = re.compile(r"[A-Za-z_][\w]*(\([\w, ]+\))?%?")
+_OVERFLOW = re.compile(r"\*+\s+[A-Za-z_][\w()]*\s+-\s")  # a value of stars, as Fortran writes one too long for its field
 _TRUE, _FALSE = {"true", "t", ".true."}, {"false", "f", ".false."}
 _MISSING = object()
 
@@ -38,7 +39,8 @@ def is_comment(line: str) -> bool:
 
 def is_rule(line: str) -> bool:
     """Tell whether a line is a section rule or a comment."""
-    return is_comment(line) or line.lstrip().startswith(("---", "===", "***"))
+    text = line.lstrip()
+    return is_comment(line) or (text.startswith(("---", "===", "***")) and not _OVERFLOW.match(text))
 
 
 @dataclass
@@ -275,6 +277,8 @@ def _table(source: InputFile, start: int, rows: int, what: str) -> Table:
 
 def _check_end(source: InputFile, i: int, columns: list[str], rows: int, what: str) -> None:
     """Raise FormatError when the line behind a table looks like one more row: the count is then wrong."""
+    while i < len(source.lines) and is_comment(source.lines[i]):
+        i += 1
     parts = tokens(source.lines[i].split("!")[0]) if i < len(source.lines) else []
     if (
         parts

@@ -147,10 +147,16 @@ def _transfer(items: Sequence, values: Sequence[np.ndarray], channels: Sequence[
             lower.set_ylabel("Phase [deg]")
             upper.set_ylabel("Magnitude")
         for ax in (upper, lower):
-            frequency_axis(ax, hertz[0][0], hertz[0][-1], label=ax is lower)
+            frequency_axis(ax, *_range(items[0]), label=ax is lower)
             _mark_modes(ax, items[0].point.modes, CHANNEL_DOFS.get(names[k]))
     legend(figure, handles, [i.state.name for i in items])
     return figure, f" Not drawn, below 2 % of the largest: {', '.join(left_out)}." if left_out else ""
+
+
+def _range(item) -> tuple[float, float]:
+    """Return the frequencies [Hz] to draw: from a tenth of the lowest natural frequency to the highest of the grid."""
+    omega = item.response.excitation.omega
+    return max(omega[0], 0.1 * item.point.modes.frequency.min()) / (2 * np.pi), omega[-1] / (2 * np.pi)
 
 
 def _mark_modes(ax, modes, own: str | None) -> None:
@@ -184,7 +190,7 @@ def spectra(item, channels: Sequence[str], kind: str, title: str) -> Drawing:
             ax.remove()
             continue
         _spectrum(ax, hertz, *panels[place])
-        frequency_axis(ax, hertz[0], hertz[-1], label=place >= len(panels) - columns)
+        frequency_axis(ax, *_range(item), label=place >= len(panels) - columns)
     handles = [mpl.lines.Line2D([], [], color=c, lw=w) for c, w in ((INK, 1.6), (BLUE, 1.3), (ORANGE, 1.3))]
     if has_wind(item):
         legend(figure, handles, ["total", "from waves", "from wind"])

@@ -31,7 +31,7 @@ RC = {
     "xtick.major.width": 0.7, "ytick.major.width": 0.7, "xtick.major.size": 3, "ytick.major.size": 3, "xtick.minor.size": 0,
     "ytick.minor.size": 0, "axes.grid": True, "grid.color": "#E6E8EB", "grid.linewidth": 0.7, "axes.axisbelow": True, "lines.linewidth": 1.5,
     "lines.solid_capstyle": "round", "legend.frameon": False, "axes.spines.top": False, "axes.spines.right": False, "figure.facecolor": "white",
-    "svg.fonttype": "none", "axes.titlelocation": "left", "axes.titlepad": 5, "path.simplify_threshold": 0.2, "axes.unicode_minus": True,
+    "svg.fonttype": "none", "axes.titlelocation": "left", "axes.titlepad": 5, "axes.titley": 1.0, "path.simplify_threshold": 0.2, "axes.unicode_minus": True,
 }  # fmt: skip
 
 
@@ -103,7 +103,8 @@ def frequency_axis(ax: Axes, low: float, high: float, label: bool = True) -> Non
     """Make x a logarithmic frequency axis in Hz with plain numbers."""
     ax.set_xscale("log")
     ax.set_xlim(low, high)
-    ticks = [t for t in (m * 10.0**e for e in range(-5, 3) for m in (1, 3)) if low * 0.999 <= t <= high]
+    steps = (1,) if high / low > 400 else (1, 3)
+    ticks = [t for t in (m * 10.0**e for e in range(-6, 4) for m in steps) if low * 0.999 <= t <= high * 1.001]
     ax.xaxis.set_major_locator(FixedLocator(ticks))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
     ax.xaxis.set_minor_locator(NullLocator())
