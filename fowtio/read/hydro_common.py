@@ -11,7 +11,7 @@ import numpy as np
 from fowtio.errors import FormatError
 from fowtio.read.text import number_rows
 from model.conventions import PLATFORM_DOFS, move_matrix, weight_stiffness
-from model.system.hydro import HydroCoefficients
+from model.system.hydro import HydroCoefficients, transfer
 
 
 def number_table(
@@ -180,3 +180,27 @@ def describe_hydro(hydro: HydroCoefficients) -> list[tuple[str, str]]:
     if hydro.volume is not None:
         rows.append(("displaced volume", f"{hydro.volume:.6g} m3"))
     return rows
+
+
+def coefficients(path, *, point=(0.0, 0.0, 0.0), **fields) -> HydroCoefficients:
+    """Return coefficients given about `point` (3) [m], about the origin; raise FormatError when they are inconsistent.
+
+    fields are those of HydroCoefficients; frequencies and headings may come in any order, excitation with them.
+    """
+    fields = {name: value for name, value in fields.items() if value is not None}
+    order = np.argsort(fields["omega"])
+    for name in ("omega", "added_mass", "radiation_damping"):
+        fields[name] = np.asarray(fields[name])[order]
+    if "excitation" in fields:
+        by_heading = np.argsort(fields["heading"])
+        fields["heading"] = np.asarray(fields["heading"])[by_heading]
+        fields["excitation"] = np.asarray(fields["excitation"])[by_heading][:, order]
+    try:
+        hydro = HydroCoefficients(reference_point=point, **fields)
+        hydro = transfer(hydro, np.zeros(3)) if np.any(hydro.reference_point != 0) else hydro
+    except ValueError as error:
+        raise FormatError(path, expected="consistent coefficients", found=str(error)) from None
+    check_limits(path, hydro.added_mass, hydro.added_mass_zero, hydro.added_mass_infinite)
+    check_mirror(path, hydro.added_mass, hydro.omega, "added mass")
+    check_mirror(path, hydro.radiation_damping, hydro.omega, "damping")
+    return hydro

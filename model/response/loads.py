@@ -126,15 +126,18 @@ def _motions(system: System, mean: Equilibrium) -> tuple[list, ...]:
 
 
 def _nacelle(system: System, structure: TurbineStructure) -> tuple[list, ...]:
-    """Fore-aft and side-to-side acceleration of the nacelle's accelerometer (gravity not sensed, as in OpenFAST 5)."""
-    q = len(system.dofs)
+    """Acceleration of the nacelle's accelerometer along the tilted shaft, downwind, and sideways (gravity not sensed, as in
+    OpenFAST 5), in axes at rest.
+    """
+    q, tilt = len(system.dofs), structure.rotor.tilt
+    axes = np.array([[np.cos(tilt), 0.0, np.sin(tilt)], [0.0, 1.0, 0.0]])
     modes = tuple(d for d in system.dofs if d in TOWER_MODES)
     motion = head_motion(structure.tower.top_height, tower_modes(structure.tower, modes), structure.accelerometer)
     known = PLATFORM_DOFS + modes
     full = np.zeros((2, q))
     for k, dof in enumerate(known):
         if dof in system.dofs:
-            full[:, system.dofs.index(dof)] = motion[:2, k]
+            full[:, system.dofs.index(dof)] = axes @ motion[:3, k]
     return (
         ["NcIMUTAxs", "NcIMUTAys"], ["m/s^2"] * 2, _blank(2, q), _blank(2, q), [list(r) for r in full], _blank(2, 3), [0.0] * 2,
     )  # fmt: skip
