@@ -320,8 +320,8 @@ def _fillings(deck: InputFile, members: Members) -> tuple[Filling, ...]:
                 deck.path, line, expected="number of members, their numbers, filling level, density", found=" ".join(row)
             ) from None  # fmt: skip
         used = [i for f in out for i in f.members]
-        for name in names:
-            if name not in index or index[name] in used:
+        for k, name in enumerate(names):
+            if name not in index or index[name] in used or name in names[:k]:
                 raise FormatError(
                     deck.path, line, expected="members of the table of members, each once", found=f"member {name}"
                 )

@@ -17,7 +17,6 @@ from fowtio.write.quantities import (
     MOTIONS,
     TOWER_BASE,
     channel_label,
-    drawn,
     has_wind,
     panel_label,
     people,
@@ -27,6 +26,7 @@ from fowtio.write.quantities import (
     squared,
     state_label,
     tension_channels,
+    worth_drawing,
 )
 from fowtio.write.style import (
     BLUE,
@@ -116,12 +116,13 @@ def _transfer(items: Sequence, values: Sequence[np.ndarray], channels: Sequence[
     """Return a figure with magnitude above phase for each channel worth drawing, and a sentence on those left out."""
     names, units = items[0].channels.names, items[0].channels.units
     wanted = [names.index(c) for c in channels if c in names]
-    shown = drawn([names[k] for k in wanted], [units[k] for k in wanted], np.stack(values)[..., wanted])
+    size = np.abs(np.stack(values))[..., wanted].max(axis=(0, 1))
+    shown = worth_drawing([names[k] for k in wanted], [units[k] for k in wanted], size)
     left_out = [channel_label(names[k]).lower() for i, k in enumerate(wanted) if i not in shown]
     shown = [wanted[i] for i in shown]
     blocks = -(-len(shown) // COLUMNS)
     columns = max(2, -(-len(shown) // blocks))
-    figure, axes = grid(2 * blocks, columns, ratios=(1.0, 0.48), gaps=(0.14, 0.78))
+    figure, axes = grid(2 * blocks, columns, height=1.7, ratios=(1.0, 0.5), gaps=(0.13, 0.78))
     hertz = [i.response.excitation.omega / (2 * np.pi) for i in items]
     handles = []
     for panel in range(blocks * columns):
@@ -172,8 +173,7 @@ def spectra(item, channels: Sequence[str], kind: str, title: str) -> Drawing:
     hertz, factor = drive.omega / (2 * np.pi), 2 * np.pi
     std = item.statistics.std
     wanted = [names.index(c) for c in channels if c in names]
-    largest = {u: max(std[k] for k in wanted if units[k] == u) for u in {units[k] for k in wanted}}
-    shown = [k for k in wanted if std[k] > max(0.02 * largest[units[k]], 1e-12)]
+    shown = [wanted[i] for i in worth_drawing([names[k] for k in wanted], [units[k] for k in wanted], std[wanted])]
     waves, wind = split_spectra(item)
     panels = [("Wave elevation", "m", drive.wave_spectrum.sum(axis=0) * factor, None, None)]
     if has_wind(item):

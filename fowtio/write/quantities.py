@@ -33,11 +33,14 @@ PANEL_LABELS = {
 MOTIONS = tuple(CHANNEL_DOFS)
 TOWER_BASE = ("TwrBsFxt", "TwrBsFyt", "TwrBsMyt", "TwrBsMxt")
 PEOPLE = {"rad": ("deg", 180 / np.pi), "N": ("kN", 1e-3), "N m": ("MN m", 1e-6), "m/s^2": ("m/s²", 1.0)}
-NEGLIGIBLE = 0.02  # of the largest motion of its kind: not drawn
+NEGLIGIBLE = 0.02  # of the largest of its kind: not drawn
 SEAS = {
     "jonswap": "JONSWAP", "pierson_moskowitz": "Pierson–Moskowitz", "white_noise": "white noise", "torsethaugen": "Torsethaugen",
     "ochi_hubble": "Ochi–Hubble", "table": "given spectrum", "still": "still water",
 }  # fmt: skip
+
+
+WINDS = {"kaimal": "Kaimal", "von_karman": "von Kármán", "api": "API"}
 
 
 def people(unit: str) -> tuple[str, float]:
@@ -126,8 +129,11 @@ def at_rest(value, unit: str) -> bool:
     return abs(value) < {"m": 5e-4, "deg": 5e-4, "kN": 5e-2, "MN m": 5e-4, "m/s²": 5e-5}.get(unit, 0.0)
 
 
-def drawn(names, units, response) -> list[int]:
-    """Return the places of the channels whose transfer function (..., n, c) is not negligible beside others of its unit."""
-    size = np.abs(response).reshape(-1, len(names)).max(axis=0)
-    largest = {u: max(s for s, v in zip(size, units, strict=True) if v == u) for u in set(units)}
-    return [k for k in range(len(names)) if size[k] > max(NEGLIGIBLE * largest[units[k]], 1e-12)]
+def worth_drawing(names, units, size) -> list[int]:
+    """Return the places of the channels whose size (c) is not negligible beside others of their kind.
+
+    Kinds are units, the tower's deflections apart from the platform's motions.
+    """
+    kinds = [(u, n.startswith("TTDsp")) for n, u in zip(names, units, strict=True)]
+    largest = {kind: max(s for s, k in zip(size, kinds, strict=True) if k == kind) for kind in set(kinds)}
+    return [k for k, kind in enumerate(kinds) if size[k] > max(NEGLIGIBLE * largest[kind], 1e-12)]

@@ -20,7 +20,7 @@ from fowtio.write.provenance import command, input_table, version, versions
 from fowtio.write.quantities import dof_label, point_label, slug, state_label
 from fowtio.write.resources import template_folder
 from fowtio.write.style import Picture
-from fowtio.write.table import ROW, Column, Table, number
+from fowtio.write.table import Column, Table, number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +75,7 @@ def environment() -> jinja2.Environment:
     out.tests |= {
         "a_table": lambda x: isinstance(x, Table), "a_picture": lambda x: isinstance(x, Picture),
     }  # fmt: skip
-    out.filters |= {"markup": Markup, "is_number": lambda text: bool(text) and text[0] in "0123456789−–"}
+    out.filters |= {"markup": Markup}
     return out
 
 
@@ -119,8 +119,9 @@ def description(model) -> Table:
     rows += [("Moorings", "Lines", float(len(deck.mooring.line_names)), "")] if deck.mooring is not None else []
     rows += [("Model", "Degrees of freedom", ", ".join(dof_label(d).lower() for d in model.points[0].system.dofs), "")]
     rows += [("Model", "Frequencies", f"{len(model.omega)} from {model.omega[0] / (2 * np.pi):.3g} to {model.omega[-1] / (2 * np.pi):.3g} Hz", "")]
-    columns = (Column(name="Part"), Column(name="Quantity"), Column(name="Value", unit=ROW), Column(name="Unit"))
-    return Table(name="description", title="Main data", columns=columns, rows=tuple(rows))
+    columns = (Column(name="Part"), Column(name="Quantity"), Column(name="Value"))
+    texts = tuple((part, name, value if isinstance(value, str) else f"{number(value)} {unit}".strip()) for part, name, value, unit in rows)
+    return Table(name="description", title="Main data", columns=columns, rows=texts)
 
 
 def _model_section(model) -> Section:

@@ -53,6 +53,10 @@ class Table:
             return unit
         return row[next(i for i, c in enumerate(self.columns) if c.name == "Unit")]
 
+    def numeric(self, k: int) -> bool:
+        """Tell whether column k holds numbers."""
+        return self.columns[k].unit != "" or all(not isinstance(row[k], str) for row in self.rows)
+
     def column(self, name: str) -> list:
         """Return the cells of a column; raise KeyError with the known names."""
         names = [c.name for c in self.columns]

@@ -11,6 +11,7 @@ import numpy as np
 
 from fowtio.write.quantities import (
     SEAS,
+    WINDS,
     at_rest,
     channel_label,
     dof_label,
@@ -44,7 +45,7 @@ def conditions(model) -> Table:
         spreading = "–" if still else "long-crested" if sea.spreading is None else f"cos²ˢ, s = {sea.spreading:g}"
         heading = None if still else float(np.degrees(sea.heading))
         rows.append((
-            state.name, float(state.wind_speed), turbulence_label(state), SEAS.get(sea.kind, sea.kind), sea.significant_height,
+            state.name, float(state.wind_speed) or None, turbulence_label(state), SEAS.get(sea.kind, sea.kind), sea.significant_height,
             sea.peak_period, sea.gamma, heading, spreading,
         ))  # fmt: skip
     return Table(name="conditions", title="Sea and wind states", columns=columns, rows=tuple(rows))
@@ -80,13 +81,13 @@ def natural_periods(model) -> Table:
     """Return the natural modes of every operating point about its mean offset."""
     columns = (
         Column(name="Operating point"), Column(name="Mode"), Column(name="Period", unit="s"), Column(name="Frequency", unit="Hz"),
-        Column(name="Damping ratio", unit="%"),
+        Column(name="Damping without drag", unit="%"),
     )  # fmt: skip
     rows = [
         (point_label(p.wind_speed), dof_label(name), 2 * np.pi / float(w), float(w) / (2 * np.pi), 100 * float(z))
         for p in model.points for name, w, z in zip(p.modes.names, p.modes.frequency, p.modes.damping_ratio, strict=True)
     ]  # fmt: skip
-    note = "Undamped natural periods, with added mass and radiation damping of each mode's own frequency; damping without drag."
+    note = "Undamped natural periods, with added mass and radiation damping of each mode's own frequency; damping of radiation, structure and air."
     return Table(name="natural_periods", title="Natural periods", columns=columns, rows=tuple(rows), note=note)
 
 
@@ -221,7 +222,7 @@ def notes(model) -> list[str]:
         "hold": "Below the lowest frequency of the coefficients the excitation keeps its lowest value, as in HydroDyn.",
         "hydrostatic": "Below the lowest frequency of the coefficients the excitation goes to its hydrostatic limit.",
     }[options.low_frequency_excitation]
-    wind = [f"Turbulence: {options.wind_spectrum} spectrum, {'averaged over the rotor disk' if options.wind_averaging == 'rotor' else 'of one point'}."]
+    wind = [f"Turbulence: {WINDS[options.wind_spectrum]} spectrum, {'averaged over the rotor disk' if options.wind_averaging == 'rotor' else 'of one point'}."]
     common = [
         "Responses are linear about the mean offset, Gaussian; waves and wind are uncorrelated.",
         drag, low, *(wind if any(s.turbulence is not None for s in model.states) else []),
