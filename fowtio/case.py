@@ -94,6 +94,11 @@ class Case:
     references: tuple[Reference, ...] = ()
 
 
+ALL_DOFS = ("all",)
+_TURBINE_DOFS = tuple(
+    f"{kind}_{part}" for kind in ("flap1", "flap2", "edge1") for part in ("collective", "cosine", "sine")
+) + ("drivetrain", "generator_azimuth", "nacelle_yaw")  # fmt: skip
+
 _OPTIONS = {
     "FreqMin": ("frequency_low", float), "FreqMax": ("frequency_high", float), "NFreq": ("frequency_count", int),
     "DragModel": ("drag_model", DRAG_MODELS), "LowFreqExctn": ("low_frequency_excitation", LOW_FREQUENCY),
@@ -204,12 +209,14 @@ def _dofs(source: InputFile) -> tuple[str, ...] | None:
     if text in ("6", "7"):
         return PLATFORM_DOFS + (("tower_fa1",) if text == "7" else ())
     names = tuple(text.replace(",", " ").split())
-    known = PLATFORM_DOFS + TOWER_MODES
+    if names == ALL_DOFS:
+        return ALL_DOFS
+    known = PLATFORM_DOFS + TOWER_MODES + _TURBINE_DOFS
     for name in names:
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)
             raise FormatError(
-                source.path, source.line("DOFs"), expected="6, 7 or names of degrees of freedom", found=name,
+                source.path, source.line("DOFs"), expected="6, 7, all or names of degrees of freedom", found=name,
                 hint=f"Did you mean {near[0]}?" if near else f"Known: {', '.join(known)}",
             )  # fmt: skip
     if len(set(names)) < len(names):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fowtio.case import Case, LinearisationEntry, StateEntry
+from fowtio.case import ALL_DOFS, Case, LinearisationEntry, StateEntry
 from fowtio.errors import CaseError, FormatError, ModelError, Problem
 from fowtio.read.hydrodyn import drag_members
 from fowtio.read.openfast_deck import Deck, deck_hydro, read_deck
@@ -25,6 +25,7 @@ from model.system.contributions import (
     Contribution,
     added_mass_contribution,
     additional_contribution,
+    condense,
     hydrostatic_contribution,
     mooring_contribution,
     platform_contribution,
@@ -36,7 +37,7 @@ from model.system.hydro import HydroCoefficients, headings_cover
 from model.system.identified import SecondOrder, has_load_inputs, second_order
 from model.system.linearisation import Linearisation
 from model.system.tower import TOWER_MODES
-from model.system.turbine import TurbineMatrices, gradient_forces, structural_matrices
+from model.system.turbine import TurbineMatrices, TurbineStructure, gradient_forces, structural_matrices
 
 SAME_SPEED = 0.05  # m/s
 
@@ -112,15 +113,16 @@ def build(case: Case, *, progress: Callable[[str], None] = lambda text: None, sp
     hydro = deck_hydro(deck, case.hydro)
     states = case.states or (_deck_state(deck),)
     _check_headings(hydro, states, case.path)
-    dofs = case.dofs or deck.elastodyn.dofs
+    dofs = deck.elastodyn.dofs if case.dofs is None else case.dofs
     parts, notes = _fixed_parts(deck, hydro)
     drag = drag_members(deck.hydrodyn.members, deck.density)
     points = []
     for speed in sorted({s.wind_speed for s in states} if speeds is None else set(speeds)):
         progress(f"operating point at {speed:g} m/s" if speed else "parked operating point")
-        turbine, contained, more = _turbine(case, deck, dofs, speed)
+        turbine, contained, more = _turbine(case, deck, None if dofs == ALL_DOFS else dofs, speed)
         notes += more
-        points.append(_operating_point(speed, turbine, contained, dofs, parts, hydro, drag, deck))
+        kept = turbine.dofs if dofs == ALL_DOFS else dofs
+        points.append(_operating_point(speed, turbine, contained, kept, parts, hydro, drag, deck))
     omega = _omega(case, states, points)
     return Model(
         case=case, deck=deck, hydro=hydro, states=tuple(states), points=tuple(points), omega=omega, notes=tuple(dict.fromkeys(notes))
@@ -227,9 +229,9 @@ def _turbine(case: Case, deck: Deck, dofs: Sequence[str], speed: float) -> tuple
     entries = {e.wind_speed: e for e in case.linearisations}
     near = next((e for s, e in entries.items() if abs(s - speed) < SAME_SPEED), None)
     if near is not None:
-        return _linearised_turbine(near, deck)
+        return _linearised_turbine(near, deck, dofs)
     if speed == 0:
-        modes = tuple(d for d in dofs if d in TOWER_MODES)
+        modes = tuple(d for d in deck.elastodyn.dofs if d in TOWER_MODES) if dofs is None else tuple(d for d in dofs if d in TOWER_MODES)
         note = "parked turbine from the deck's structural data; blades rigid, no air"
         return structural_matrices(deck.elastodyn.structure, modes), (), [note]
     below = [s for s in entries if 0 < s < speed]
@@ -237,21 +239,28 @@ def _turbine(case: Case, deck: Deck, dofs: Sequence[str], speed: float) -> tuple
     if not below or not above:
         raise ModelError(f"no linearisation at {speed:g} m/s, nor below and above it; name its files in the study's table")
     low, high = max(below), min(above)
-    (a, held, _), (b, _, _) = (_linearised_turbine(entries[s], deck) for s in (low, high))
+    (a, held, _), (b, _, _) = (_linearised_turbine(entries[s], deck, dofs) for s in (low, high))
     note = f"turbine at {speed:g} m/s interpolated linearly between its linearisations at {low:g} and {high:g} m/s"
     return _between(a, b, (speed - low) / (high - low), speed), held, [note]
 
 
-def _linearised_turbine(entry: LinearisationEntry, deck: Deck) -> tuple[TurbineMatrices, tuple[Contribution, ...], list[str]]:
-    """Return the turbine of a linearisation, less what else the deck that made it held."""
+def _linearised_turbine(
+    entry: LinearisationEntry, deck: Deck, dofs: Sequence[str] | None
+) -> tuple[TurbineMatrices, tuple[Contribution, ...], list[str]]:
+    """Return the turbine of a linearisation, less what else the deck that made it held, blades condensed unless kept."""
     records = [read_openfast_lin(path) for path in entry.files]
     made_by, note = _deck_of(entry, deck)
     _check_modules(records[0], made_by)
-    top = made_by.elastodyn.structure.tower.top_height
+    structure = made_by.elastodyn.structure
     try:
-        found = second_order(records, top, _given_mass(entry, records[0], made_by))
+        mass = _given_mass(entry, records[0], made_by)
+        found = second_order(records, structure.tower.top_height, mass, structure.rotor.blades)
         held = _contained(found, made_by)
-        turbine = turbine_of_linearisation(found, held, gravity=made_by.gravity, source=_span(entry.files))
+        rigid = _rigid_mass(made_by, found.dofs, found.point)
+        turbine = turbine_of_linearisation(found, held, gravity=made_by.gravity, source=_span(entry.files), rigid_mass=rigid)
+        if dofs is not None:
+            keep = [d for d in turbine.dofs if d in dofs or d in PLATFORM_DOFS + TOWER_MODES]
+            turbine = condense(turbine, keep)
     except ValueError as error:
         raise ModelError(str(error)) from None
     return replace(turbine, wind_speed=entry.wind_speed), held, note
@@ -290,14 +299,26 @@ def _given_mass(entry: LinearisationEntry, record: Linearisation, made_by: Deck)
             record.source, expected="ElastoDyn's platform load inputs, from which the mass matrix follows", found="none",
             hint="Linearise with LinInputs = 2, or name the deck that made it (LinDeck), or set MassMatrix to deck",
         )  # fmt: skip
-    dofs = [d for d, rate in zip(record.state_dof, record.state_rate, strict=True) if d and not rate]
-    modes = tuple(d for d in dofs if d in TOWER_MODES)
-    bent = [record.state_point[record.state_dof.index(m)] for m in modes]
-    turbine = structural_matrices(made_by.elastodyn.structure, modes, bent)
-    parts = [turbine_contribution(turbine), platform_contribution(made_by.elastodyn.structure.platform, made_by.gravity, "")]
+    dofs = tuple(d for d, rate in zip(record.state_dof, record.state_rate, strict=True) if d and not rate)
+    other = [d for d in dofs if d not in PLATFORM_DOFS + TOWER_MODES]
+    if other:
+        raise FormatError(
+            record.source, expected="ElastoDyn's platform load inputs", found="none", hint=f"The mass of {other[0]} cannot come from "
+            "the deck; linearise with LinInputs = 2",
+        )  # fmt: skip
+    mass = _rigid_mass(made_by, dofs, record.state_point[[record.state_dof.index(d) for d in dofs]])
     if made_by.hydrodyn is not None and made_by.hydrodyn.potential_flow:
-        parts.append(added_mass_contribution(deck_hydro(made_by), ""))
-    return sum(widen(p, dofs).mass for p in parts)
+        mass = mass + widen(added_mass_contribution(deck_hydro(made_by), ""), dofs).mass
+    return mass
+
+
+def _rigid_mass(made_by: Deck, dofs: Sequence[str], point: np.ndarray) -> np.ndarray:
+    """Return the structural mass of a deck in those of the degrees of freedom that are platform motions or tower modes."""
+    rigid = [d for d in dofs if d in PLATFORM_DOFS + TOWER_MODES]
+    modes = tuple(d for d in rigid if d in TOWER_MODES)
+    turbine = structural_matrices(made_by.elastodyn.structure, modes, [point[list(dofs).index(m)] for m in modes])
+    parts = (turbine_contribution(turbine), platform_contribution(made_by.elastodyn.structure.platform, made_by.gravity, ""))
+    return sum(widen(p, rigid).mass for p in parts)
 
 
 def _contained(found: SecondOrder, made_by: Deck) -> tuple[Contribution, ...]:
@@ -327,16 +348,25 @@ def _operating_point(speed, turbine, contained, dofs, parts, hydro, drag, deck: 
     structure, rotor = deck.elastodyn.structure, None
     if speed > 0:
         rotor = rotor_sensitivity(structure.rotor.diameter, structure.rotor.blades, turbine.rotor_speed, speed)
-        turbine = replace(turbine, gradient_force=gradient_forces(structure, turbine, rotor.gradient_arm))
+        turbine = replace(turbine, gradient_force=_gradient_forces(structure, turbine, rotor))
     try:
         system = assemble(dofs, turbine, [turbine_contribution(turbine), *parts], hydro, drag, deck.mooring, deck.hydrodyn.quadratic_damping)
         mean = equilibrium(system)
+        modes = natural_modes(system, mean)
     except ValueError as error:
         raise ModelError(f"{deck.mooring_path or deck.path}: {error}") from None
     return OperatingPoint(
-        wind_speed=speed, turbine=turbine, rotor=rotor, system=system, mean=mean, modes=natural_modes(system, mean),
+        wind_speed=speed, turbine=turbine, rotor=rotor, system=system, mean=mean, modes=modes,
         outputs=linear_outputs(system, mean, structure), contained=contained,
     )  # fmt: skip
+
+
+def _gradient_forces(structure: TurbineStructure, turbine: TurbineMatrices, rotor: RotorSensitivity) -> np.ndarray:
+    """Return the forces (2, q) of the wind's gradients; blades that are kept follow, as in the condensed turbine."""
+    rigid = condense(turbine, [d for d in turbine.dofs if d in PLATFORM_DOFS + TOWER_MODES])
+    out = np.zeros((2, len(turbine.dofs)))
+    out[:, [turbine.dofs.index(d) for d in rigid.dofs]] = gradient_forces(structure, rigid, rotor.gradient_arm)
+    return out
 
 
 def _omega(case: Case, states: Sequence[StateEntry], points: Sequence[OperatingPoint]) -> np.ndarray:

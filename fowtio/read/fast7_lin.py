@@ -51,17 +51,17 @@ def read_fast7_lin(path: str | Path) -> tuple[Linearisation, ...]:
         raise FormatError(
             path, len(lines), expected=f"{counts['azimuths']} azimuths", found=str(len(starts)), hint="Is the file complete?"
         )  # fmt: skip
-    return tuple(_record(path, lines, start, counts, names, number(speed.split()[0])) for start in starts)
+    return tuple(_record(path, lines, start, counts, names, number(speed)) for start in starts)
 
 
 def _labelled(path: Path, lines: list[str], label: str) -> str:
-    """Return the text behind a label and its unit."""
+    """Return the first number behind a label, as text."""
     for i, line in enumerate(lines, start=1):
         if line.strip().startswith(label):
-            match = re.search(r"(?:\)|NAzimStep|MdlOrder|NInputs|NDisturbs|DOFs\)|measurements)\s+([-+\d.].*)$", line)
-            if not match or not _is_number(match[1].split()[0]):
+            found = next((t for t in line.strip()[len(label) :].split() if _is_number(t)), None)
+            if found is None:
                 raise FormatError(path, i, expected=f"a number after '{label} ...'", found=line)
-            return match[1]
+            return found
     raise FormatError(path, expected=f"a line '{label} ...' of a FAST v7 linearisation file", found="none")
 
 
@@ -74,7 +74,7 @@ def _is_number(text: str) -> bool:
 
 
 def _count(path: Path, lines: list[str], label: str) -> int:
-    text = _labelled(path, lines, label).split()[0]
+    text = _labelled(path, lines, label)
     if not text.isdigit():
         raise FormatError(path, expected=f"a whole number after '{label} ...'", found=text)
     return int(text)

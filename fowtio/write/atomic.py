@@ -12,7 +12,7 @@ from pathlib import Path
 
 @contextmanager
 def atomic_file(path: str | Path) -> Iterator[Path]:
-    """Give a temporary path in the same folder; on success it replaces `path`, on any exception nothing is left of it."""
+    """Give a temporary path in the same folder; on success it replaces `path`, on an exception nothing is left."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = _beside(path)

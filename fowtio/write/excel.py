@@ -17,11 +17,12 @@ from openpyxl.cell import WriteOnlyCell
 from openpyxl.styles import Alignment, Font, PatternFill
 from openpyxl.utils import get_column_letter
 
+from fowtio import __version__
 from fowtio.write import tables
 from fowtio.write.atomic import atomic_file
 from fowtio.write.netcdf import CONVENTIONS
-from fowtio.write.provenance import command, version
-from fowtio.write.quantities import has_wind, people, point_label, split_spectra, squared, state_label
+from fowtio.write.provenance import command
+from fowtio.write.quantities import has_wind, main_headings, people, point_label, split_spectra, squared, state_label
 from fowtio.write.table import Column, Table, excel_format, joined
 
 _BOLD, _TITLE, _FILL = Font(bold=True), Font(bold=True, size=13), PatternFill("solid", fgColor="DCE6F1")
@@ -38,34 +39,57 @@ def write_excel(path: str | Path, model, loads: Sequence) -> Path:
 
 
 def _book(model, loads: Sequence) -> _Book:
-    """Return the workbook of a study's results."""
+    """Return the workbook of a study's results; all contents are made before any of it is written."""
+    numbers = [(i.state.name, _rao(i), _spectra(i)) for i in loads]
+    before, after = _first_sheets(model, loads), _last_sheets(model, loads)
     book = _Book()
-    book.sheet("Summary", [tables.summary(loads)], title=model.case.title)
-    book.sheet("States", [tables.conditions(model)])
-    book.sheet("Natural periods", [tables.natural_periods(model)])
-    book.sheet("Damping with drag", [tables.damping_with_drag(loads)])
-    book.sheet("Mean offsets", [tables.mean_offsets(model)])
-    for name, table in (("Mooring tensions", tables.mooring_tensions(model, loads)), ("Mooring lines", tables.mooring_lines(model))):
-        if table is not None:
-            book.sheet(name, [table])
-    book.sheet("Statistics", [joined("statistics", "Statistics", "State", [(i.state.name, tables.state_statistics(i)) for i in loads])])
-    for item in loads:
-        book.numbers(f"RAO {item.state.name}", *_rao(item))
-        book.numbers(f"Spectra {item.state.name}", *_spectra(item))
-    book.sheet("Matrices", [t for p in model.points for t in tables.matrices(p)])
-    at = [(point_label(p.wind_speed), p) for p in model.points]
-    book.sheet("Contributions", [joined("contributions", "Who contributes what", "Operating point", [(n, tables.contributions(p)) for n, p in at])])
-    held = [(n, t) for n, p in at if (t := tables.contained(p)) is not None]
-    if held:
-        book.sheet("Taken out", [joined("contained", "Held by the linearisations beside the turbine and taken out", "Operating point", held)])
-    book.sheet("Notes", [_notes(model, loads)])
+    for name, found in before:
+        book.sheet(name, found, title=model.case.title if name == "Summary" else "")
+    for name, transfer, spectra in numbers:
+        book.numbers(f"RAO {name}", *transfer)
+        book.numbers(f"Spectra {name}", *spectra)
+    for name, found in after:
+        book.sheet(name, found)
     return book
+
+
+def _first_sheets(model, loads) -> list[tuple[str, list[Table]]]:
+    """Return names and tables of the sheets before the plain numbers."""
+    by_state = [(i.state.name, tables.state_statistics(i)) for i in loads]
+    moorings = (
+        ("Mooring tensions", tables.mooring_tensions(model, loads)),
+        ("Mooring lines", tables.mooring_lines(model)),
+    )
+    return [
+        ("Summary", [tables.summary(loads)]),
+        ("States", [tables.conditions(model)]),
+        ("Natural periods", [tables.natural_periods(model)]),
+        ("Damping with drag", [tables.damping_with_drag(loads)]),
+        ("Mean offsets", [tables.mean_offsets(model)]),
+        *((name, [table]) for name, table in moorings if table is not None),
+        ("Statistics", [joined("statistics", "Statistics", "State", by_state)]),
+    ]
+
+
+def _last_sheets(model, loads) -> list[tuple[str, list[Table]]]:
+    """Return names and tables of the sheets after the plain numbers."""
+    at = [(point_label(p.wind_speed), p) for p in model.points]
+    parts = [(label, tables.contributions(p)) for label, p in at]
+    held = [(label, t) for label, p in at if (t := tables.contained(p)) is not None]
+    title = "Held by the linearisations beside the turbine and taken out"
+    return [
+        ("Matrices", [t for p in model.points for t in tables.matrices(p)]),
+        ("Contributions", [joined("contributions", "Who contributes what", "Operating point", parts)]),
+        *([("Taken out", [joined("contained", title, "Operating point", held)])] if held else []),
+        ("Notes", [_notes(model, loads)]),
+    ]
 
 
 class _Book:
     """A workbook being written sheet by sheet, with one style record for each number format.
 
-    Rows of plain numbers are kept aside as XML and put into their sheets at the end: openpyxl takes ten times as long for them.
+    Rows of plain numbers are kept aside as XML and put into their sheets at the end, since openpyxl takes
+    five times as long for them.
     """
 
     def __init__(self):
@@ -75,7 +99,10 @@ class _Book:
         """Write the workbook, the rows of plain numbers in their sheets."""
         plain = io.BytesIO()
         self.book.save(plain)
-        with zipfile.ZipFile(plain) as source, zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=2) as target:
+        with (
+            zipfile.ZipFile(plain) as source,
+            zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=2) as target,
+        ):
             for name in source.namelist():
                 content = source.read(name)
                 if name in self.rows:
@@ -96,7 +123,12 @@ class _Book:
             sheet.append([self._text(sheet, table.title, _BOLD)])
             sheet.append([self._heading(sheet, c.heading) for c in table.columns])
             for row in table.rows:
-                sheet.append([self._cell(sheet, v, excel_format(c, table.unit(row, k))) for k, (v, c) in enumerate(zip(row, table.columns, strict=True))])
+                sheet.append(
+                    [
+                        self._cell(sheet, v, excel_format(c, table.unit(row, k)))
+                        for k, (v, c) in enumerate(zip(row, table.columns, strict=True))
+                    ]
+                )
             if table.note:
                 sheet.append([table.note])
             sheet.append([])
@@ -163,7 +195,9 @@ class _Book:
 
 def _row(i: int, values: list[float], cells: list[tuple[str, int]]) -> str:
     """Return the XML of row i of a sheet; not-a-number is an empty cell."""
-    inner = "".join(f'<c r="{c}{i}" s="{s}"><v>{v!r}</v></c>' for v, (c, s) in zip(values, cells, strict=True) if v - v == 0)
+    inner = "".join(
+        f'<c r="{c}{i}" s="{s}"><v>{v!r}</v></c>' for v, (c, s) in zip(values, cells, strict=True) if v - v == 0
+    )
     return f'<row r="{i}">{inner}</row>'
 
 
@@ -173,15 +207,21 @@ def _table_widths(found: Sequence[Table]) -> list[float]:
     out = []
     for k in range(count):
         cells = [len(row[k]) for t in found for row in t.text() if k < len(row)]
-        cells += [max(max(len(w) for w in t.columns[k].heading.split() or [""]), len(t.columns[k].heading) / 2) for t in found if k < len(t.columns)]
+        cells += [
+            max(max(len(w) for w in t.columns[k].heading.split() or [""]), len(t.columns[k].heading) / 2)
+            for t in found
+            if k < len(t.columns)
+        ]
         out.append(min(max(cells) + 2.5, WIDEST))
     return out
 
 
 def _rao(item) -> tuple[list[str], np.ndarray, list[str]]:
-    """Return headings, magnitudes and phases of all channels per wave amplitude (every heading) and per wind speed."""
+    """Return headings, magnitudes and phases of all channels per wave amplitude (main heading) and per wind speed."""
     channels, drive = item.channels, item.response.excitation
-    blocks = [(f"{np.degrees(h):g}°" if len(drive.heading) > 1 else "", "m", item.channels.to_wave[k]) for k, h in enumerate(drive.heading)]
+    main = main_headings(item)
+    degrees = np.degrees(drive.heading)
+    blocks = [(f"{degrees[k]:g}°" if len(main) > 1 else "", "m", channels.to_wave[k]) for k in main]
     blocks += [("wind", "(m/s)", channels.to_wind)] if has_wind(item) else []
     headings, columns = ["Frequency [Hz]"], [drive.omega / (2 * np.pi)]
     for label, per, values in blocks:
@@ -196,7 +236,7 @@ def _rao(item) -> tuple[list[str], np.ndarray, list[str]]:
 
 
 def _spectra(item) -> tuple[list[str], np.ndarray, list[str]]:
-    """Return headings and spectra per Hz of waves, wind and all channels, and what wind gives of each where there is any."""
+    """Return headings and spectra per Hz of waves, wind and all channels, and what wind gives of each."""
     drive, channels = item.response.excitation, item.channels
     per_hertz = 2 * np.pi
     headings = ["Frequency [Hz]", "Waves [m²/Hz]"]
@@ -216,10 +256,19 @@ def _spectra(item) -> tuple[list[str], np.ndarray, list[str]]:
 
 def _notes(model, loads) -> Table:
     """Return conventions, assumptions, states in words, and where the numbers come from."""
-    rows = [("Study", f"{model.case.path.name}: {model.case.title}"), ("Deck", f"{model.deck.path.name}: {model.deck.title}")]
-    rows += [("Software", f"fowtio {version()}"), ("To make these results again", command(model))]
+    rows = [
+        ("Study", f"{model.case.path.name}: {model.case.title}"),
+        ("Deck", f"{model.deck.path.name}: {model.deck.title}"),
+    ]
+    rows += [("Software", f"fowtio {__version__}"), ("To make these results again", command(model))]
     rows += [(f"State {item.state.name}", state_label(item.state)) for item in loads]
     rows += [("Assumption", n) for n in tables.notes(model)]
     rows += [("Convention", s.strip(". ") + ".") for s in CONVENTIONS.split(". ")]
-    rows += [("Units", "Rotations in deg, forces in kN, moments in MN m; matrices in SI. Phases in deg, of Re{X e^(+i omega t)}, positive is ahead of the wave crest.")]
+    rows += [
+        (
+            "Units",
+            "Rotations in deg, forces in kN, moments in MN m; matrices in SI. Phases in deg, of Re{X e^(+i omega t)}: "
+            "positive is ahead of the wave crest. Transfer functions of the main heading; the netCDF file has all headings.",
+        )
+    ]
     return Table(name="notes", title="Notes", columns=(Column(name="Subject"), Column(name="Text")), rows=tuple(rows))

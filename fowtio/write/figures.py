@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 
 import matplotlib as mpl
 import numpy as np
@@ -18,10 +19,12 @@ from fowtio.write.quantities import (
     TOWER_BASE,
     channel_label,
     has_wind,
+    main_headings,
     panel_label,
     people,
     point_label,
     slug,
+    spectra_group,
     split_spectra,
     squared,
     state_label,
@@ -49,35 +52,45 @@ from model.system.mooring import force_offset_curve, line_profiles
 NACELLE = ("NcIMUTAxs", "NcIMUTAys")
 HULL = (("surge", 0), ("heave", 2), ("pitch", 4))
 COLUMNS = 4  # panels beside each other
+SPECTRUM_DECADES = 4.5
 
 
 def drawings(model, loads: Sequence) -> Iterator[Drawing]:
-    """Give all figures of a study, one after the other."""
+    """Give all figures of a study, one after the other, each with a name of its own."""
+    used: set[str] = set()
     with mpl.rc_context(RC):
-        for found in _groups(loads):
-            yield rao_waves(found, MOTIONS, "motions", "Motions")
-            yield rao_waves(found, (*TOWER_BASE, *NACELLE, *_tensions(found[0][0])), "loads", "Loads")
-        for point in model.points:
-            windy = [item for item in loads if item.point is point and has_wind(item)]
-            if windy:
-                yield rao_wind(windy)
-        for item in loads:
-            yield spectra(item, (*MOTIONS, *NACELLE), "motions", "motions")
-            yield spectra(item, (*TOWER_BASE, *_tensions(item)), "loads", "tower base and moorings")
-        yield hull(model)
-        if model.deck.mooring is not None:
-            yield mooring_layout(model)
-            yield mooring_curve(model)
+        for drawing in _drawings(model, loads):
+            name, k = drawing.name, 2
+            while name in used:
+                name, k = f"{drawing.name}_{k}", k + 1
+            used.add(name)
+            yield replace(drawing, name=name)
+
+
+def _drawings(model, loads: Sequence) -> Iterator[Drawing]:
+    for found in _groups(loads):
+        yield rao_waves(found, MOTIONS, "motions", "Motions")
+        yield rao_waves(found, (*TOWER_BASE, *NACELLE, *_tensions(found[0][0])), "loads", "Loads")
+    for point in model.points:
+        windy = [item for item in loads if item.point is point and has_wind(item)]
+        if windy:
+            yield rao_wind(windy)
+    for item in loads:
+        yield spectra(item, (*MOTIONS, *NACELLE), "motions", "motions")
+        yield spectra(item, (*TOWER_BASE, *_tensions(item)), "loads", "tower base and moorings")
+    yield hull(model)
+    if model.deck.mooring is not None:
+        yield mooring_layout(model)
+        yield mooring_curve(model)
 
 
 def _groups(loads: Sequence) -> list[list[tuple]]:
     """Return (state, place of the heading) together that share an operating point and a heading."""
     found: dict[tuple, list] = {}
     for item in loads:
-        headings = item.response.excitation.heading
-        energy = item.response.excitation.wave_spectrum.max(axis=1)
-        for k in np.flatnonzero(energy >= 0.999 * energy.max()) if len(headings) > 1 else [0]:
-            found.setdefault((item.point.wind_speed, round(float(np.degrees(headings[k])), 3)), []).append((item, int(k)))
+        degrees = np.degrees(item.response.excitation.heading)
+        for k in main_headings(item):
+            found.setdefault((item.point.wind_speed, round(float(degrees[k]), 3)), []).append((item, k))
     return list(found.values())
 
 
@@ -93,7 +106,10 @@ def rao_waves(found: Sequence[tuple], channels: Sequence[str], kind: str, title:
     values = [i.channels.to_wave[h] for i, h in found]
     where = f"{point_label(item.point.wind_speed)}, waves {heading:g}°"
     figure, few = _transfer([i for i, _ in found], values, channels, "m")
-    caption = f"Per metre of wave amplitude; drag as linearised in each state. Grey lines: natural frequencies, dashed where the motion is its own.{few}"
+    caption = (
+        "Per metre of wave amplitude; drag as linearised in each state. Grey lines: natural frequencies, dashed "
+        f"where the motion is its own.{few}"
+    )
     return Drawing(
         name=f"rao_{kind}_{slug(point_label(item.point.wind_speed))}_{slug(f'{heading:g}deg')}", group=f"rao_{kind}",
         title=f"{title} in waves: {where}", caption=caption, figure=figure,
@@ -107,8 +123,10 @@ def rao_wind(items: Sequence) -> Drawing:
     chosen = ("PtfmSurge", "PtfmPitch", "PtfmYaw", "TTDspFA", "TwrBsFxt", "TwrBsMyt", "NcIMUTAxs", *tensions[:1])
     figure, few = _transfer(items, [i.channels.to_wind for i in items], chosen, "(m/s)")
     return Drawing(
-        name=f"rao_wind_{slug(point_label(speed))}", group="rao_wind", title=f"Motions and loads from wind: {point_label(speed)}",
-        caption=f"Per metre per second of the turbulence that drives the rotor.{few}", figure=figure,
+        name=f"rao_wind_{slug(point_label(speed))}", group="rao_wind",
+        title=f"Motions and loads from wind: {point_label(speed)}",
+        caption=f"Per metre per second of the wind that the whole rotor sees; its gradients are not drawn.{few}",
+        figure=figure,
     )  # fmt: skip
 
 
@@ -135,7 +153,8 @@ def _transfer(items: Sequence, values: Sequence[np.ndarray], channels: Sequence[
         unit, factor = people(units[k])
         magnitude = [np.abs(v[:, k]) * factor for v in values]
         handles = [
-            upper.plot(f, m, color=COLOURS[n % 6], ls=DASHES[n // 6 % 4])[0] for n, (f, m) in enumerate(zip(hertz, magnitude, strict=True))
+            upper.plot(f, m, color=COLOURS[n % 6], ls=DASHES[n // 6 % 4])[0] for n,
+            (f, m) in enumerate(zip(hertz, magnitude, strict=True))
         ]  # fmt: skip
         log_axis(upper, np.concatenate(magnitude))
         upper.set_title(f"{panel_label(names[k])} [{unit}/{per}]")
@@ -181,25 +200,45 @@ def spectra(item, channels: Sequence[str], kind: str, title: str) -> Drawing:
     for k in shown:
         unit, scale = people(units[k])
         scale = scale**2 * factor
-        panels.append((panel_label(names[k]), unit, waves[:, k] * scale, wind[:, k] * scale if has_wind(item) else None, std[k] * people(units[k])[1]))
+        panels.append(
+            (
+                panel_label(names[k]),
+                unit,
+                waves[:, k] * scale,
+                wind[:, k] * scale if has_wind(item) else None,
+                std[k] * people(units[k])[1],
+            )
+        )
     rows = -(-len(panels) // COLUMNS)
     columns = -(-len(panels) // rows)
     figure, axes = grid(rows, columns)
+    span = _content(hertz, panels)
     for place, ax in enumerate(axes.flat):
         if place >= len(panels):
             ax.remove()
             continue
         _spectrum(ax, hertz, *panels[place])
-        frequency_axis(ax, *_range(item), label=place >= len(panels) - columns)
+        frequency_axis(ax, *span, label=place >= len(panels) - columns)
     handles = [mpl.lines.Line2D([], [], color=c, lw=w) for c, w in ((INK, 1.6), (BLUE, 1.3), (ORANGE, 1.3))]
     if has_wind(item):
         legend(figure, handles, ["total", "from waves", "from wind"])
     else:
         legend(figure, handles[1:2], ["from waves"])
     return Drawing(
-        name=f"spectra_{kind}_{slug(item.state.name)}", group=f"spectra_{slug(item.state.name)}", title=f"Response spectra, {title}: {item.state.name}",
+        name=f"spectra_{kind}_{slug(item.state.name)}", group=spectra_group(item),
+        title=f"Response spectra, {title}: {item.state.name}",
         caption=f"{state_label(item.state)}. One-sided spectra; σ is the standard deviation.", figure=figure,
     )  # fmt: skip
+
+
+def _content(hertz: np.ndarray, panels: Sequence[tuple]) -> tuple[float, float]:
+    """Return the frequencies [Hz] between which the spectra of panels have something to show."""
+    inside = np.zeros(len(hertz), dtype=bool)
+    for _, _, waves, wind, _ in panels:
+        total = sum(p for p in (waves, wind) if p is not None)
+        inside |= total > total.max() * 10**-SPECTRUM_DECADES
+    found = hertz[inside] if np.any(inside) else hertz
+    return max(found[0] * 0.8, hertz[0]), min(found[-1] * 1.1, hertz[-1])
 
 
 def _spectrum(ax, hertz, label: str, unit: str, waves, wind, std: float | None) -> None:
@@ -214,7 +253,7 @@ def _spectrum(ax, hertz, label: str, unit: str, waves, wind, std: float | None) 
     for part, colour in ((waves, BLUE), (wind, ORANGE)):
         if part is not None and np.any(part):
             ax.plot(hertz, np.where(part > 0, part, np.nan), color=colour, lw=1.3)
-    log_axis(ax, total, 4.7, headroom=20)
+    log_axis(ax, total, SPECTRUM_DECADES, headroom=20)
     ax.set_title(f"{label} [{squared(unit)}/Hz]")
     if std is not None:
         ax.text(0.985, 0.95, f"σ = {std:.3g} {unit}", transform=ax.transAxes, ha="right", va="top", fontsize=8.5)
@@ -231,14 +270,19 @@ def hull(model) -> Drawing:
     figure, axes = grid(3, 3, height=1.7, between=0.75)
     for j, (dof, k) in enumerate(HULL):
         turn = dof == "pitch"
-        scale, mass_unit, damping_unit, force_unit = (1e-9, "10⁶ t m²", "GN m s", "MN m/m") if turn else (1e-3, "t", "kN s/m", "kN/m")
+        scale, mass_unit, damping_unit, force_unit = (
+            (1e-9, "10⁶ t m²", "GN m s", "MN m/m") if turn else (1e-3, "t", "kN s/m", "kN/m")
+        )
         label = dof.capitalize()
         axes[0, j].plot(hertz, added[:, k, k] * scale, color=BLUE)
         axes[0, j].axhline(infinite_added_mass(hydro)[k, k] * scale, color=GREY, lw=1, ls=(0, (4, 3)))
         axes[0, j].set_title(f"{label} added mass [{mass_unit}]")
         axes[1, j].plot(hertz, damping[:, k, k] * scale, color=BLUE)
         axes[1, j].set_title(f"{label} radiation damping [{damping_unit}]")
-        handles = [axes[2, j].plot(hertz, f[:, k] * (1e-6 if turn else 1e-3), color=COLOURS[n % 6], ls=DASHES[n // 6 % 4])[0] for n, f in enumerate(force)]
+        handles = [
+            axes[2, j].plot(hertz, f[:, k] * (1e-6 if turn else 1e-3), color=COLOURS[n % 6], ls=DASHES[n // 6 % 4])[0]
+            for n, f in enumerate(force)
+        ]
         axes[2, j].set_title(f"{label} excitation [{force_unit}]")
         axes[2, j].set_xlabel("Frequency [Hz]")
         for ax in axes[:, j]:
@@ -249,7 +293,13 @@ def hull(model) -> Drawing:
             ax.xaxis.set_major_formatter("{x:g}")
     legend(figure, handles, [f"waves {np.degrees(h):g}°" for h in headings])
     caption = "About the reference point. Dashed: infinite frequency. Excitation per metre of wave amplitude."
-    return Drawing(name="hull", group="hull", title="Hull: added mass, radiation damping, excitation", caption=caption, figure=figure)
+    return Drawing(
+        name="hull",
+        group="hull",
+        title="Hull: added mass, radiation damping, excitation",
+        caption=caption,
+        figure=figure,
+    )
 
 
 def mooring_layout(model) -> Drawing:
@@ -277,10 +327,22 @@ def mooring_layout(model) -> Drawing:
     for k, name in enumerate(system.line_names):
         far, near = (system.position[end[k], :2] for end in (system.end_a, system.end_b))
         way = (near - far) / max(np.hypot(*(near - far)), 1e-9)
-        plan.annotate(str(name), far + 0.12 * (near - far), xytext=(-9 * way[1], 9 * way[0]), textcoords="offset points", ha="center", va="center")
+        plan.annotate(
+            str(name),
+            far + 0.12 * (near - far),
+            xytext=(-9 * way[1], 9 * way[0]),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+        )
     legend(figure, handles, [point_label(p.wind_speed) for p in model.points])
-    caption = "Lines at the mean offset of each operating point, thin lines from the fairleads to the platform's reference point. Vertical scale of the side view enlarged."
-    return Drawing(name="moorings", group="moorings", title="Moorings at the mean offsets", caption=caption, figure=figure)
+    caption = (
+        "Lines at the mean offset of each operating point, thin lines from the fairleads to the reference point. "
+        "Vertical scale of the side view enlarged."
+    )
+    return Drawing(
+        name="moorings", group="moorings", title="Moorings at the mean offsets", caption=caption, figure=figure
+    )
 
 
 def mooring_curve(model) -> Drawing:
@@ -295,7 +357,13 @@ def mooring_curve(model) -> Drawing:
         force_axis.plot(offsets, force * 1e-3, color=colour, label=f"along {name}")
         if name == "x":
             for k, line in enumerate(system.line_names):
-                tension_axis.plot(offsets, state.fairlead_tension[:, k] * 1e-3, color=COLOURS[k % 6], ls=DASHES[k % 4], label=f"line {line}")
+                tension_axis.plot(
+                    offsets,
+                    state.fairlead_tension[:, k] * 1e-3,
+                    color=COLOURS[k % 6],
+                    ls=DASHES[k % 4],
+                    label=f"line {line}",
+                )
     for point in model.points:
         at = (point.mean.mooring.offset[0], -point.mean.mooring.force[0] * 1e-3)
         force_axis.plot(*at, "o", color=INK, ms=4)
@@ -305,7 +373,13 @@ def mooring_curve(model) -> Drawing:
     force_axis.legend(loc="upper left")
     tension_axis.legend(loc="upper center", ncols=min(len(system.line_names), 3))
     caption = "Platform moved horizontally without rotation. Dots: mean offsets of the operating points."
-    return Drawing(name="mooring_curve", group="moorings", title="Moorings: force and tension against offset", caption=caption, figure=figure)
+    return Drawing(
+        name="mooring_curve",
+        group="moorings",
+        title="Moorings: force and tension against offset",
+        caption=caption,
+        figure=figure,
+    )
 
 
 def _curve(system, heading: float, reach: float):

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from importlib import metadata
 from pathlib import Path
 
+from fowtio import __version__
 from fowtio.read.openfast_deck import Deck, read_deck
 from fowtio.write.table import Column, Table
 
@@ -16,23 +17,21 @@ CHUNK = 1 << 20
 LIBRARIES = ("numpy", "scipy", "xarray", "h5netcdf", "openpyxl", "matplotlib", "jinja2")
 
 
-def version() -> str:
-    """Return the version of fowtio; of a checkout that is not installed, "unknown"."""
-    try:
-        return metadata.version("fowtio")
-    except metadata.PackageNotFoundError:
-        return "unknown"
-
-
 def versions() -> Table:
     """Return the versions of fowtio, Python and the libraries that results depend on."""
-    rows = [("fowtio", version()), ("Python", platform.python_version()), ("System", f"{platform.system()} {platform.machine()}")]
+    rows = [
+        ("fowtio", __version__),
+        ("Python", platform.python_version()),
+        ("System", f"{platform.system()} {platform.machine()}"),
+    ]
     for name in LIBRARIES:
         try:
             rows.append((name, metadata.version(name)))
         except metadata.PackageNotFoundError:
             continue
-    return Table(name="versions", title="Versions", columns=(Column(name="Software"), Column(name="Version")), rows=tuple(rows))
+    return Table(
+        name="versions", title="Versions", columns=(Column(name="Software"), Column(name="Version")), rows=tuple(rows)
+    )
 
 
 def input_files(model) -> list[Path]:
@@ -54,7 +53,13 @@ def input_table(model) -> Table:
     root = Path(os.path.abspath(model.case.path)).parent
     columns = (Column(name="File"), Column(name="Size", unit="bytes"), Column(name="SHA-256"))
     rows = tuple((_relative(f, root), float(f.stat().st_size), sha256(f)) for f in input_files(model))
-    return Table(name="input_files", title="Input files", columns=columns, rows=rows, note="Paths from the folder of the study file.")
+    return Table(
+        name="input_files",
+        title="Input files",
+        columns=columns,
+        rows=rows,
+        note="Paths from the folder of the study file.",
+    )
 
 
 def sha256(path: Path) -> str:
@@ -86,5 +91,3 @@ def _relative(path: Path, root: Path) -> str:
         return Path(os.path.relpath(path, root)).as_posix()
     except ValueError:
         return path.name
-
-

@@ -14,28 +14,33 @@ from model.response.loads import spectra_by_cause
 
 DOF_LABELS = {
     "surge": "Surge", "sway": "Sway", "heave": "Heave", "roll": "Roll", "pitch": "Pitch", "yaw": "Yaw",
-    "tower_fa1": "Tower fore-aft 1", "tower_fa2": "Tower fore-aft 2", "tower_ss1": "Tower side-side 1", "tower_ss2": "Tower side-side 2",
+    "tower_fa1": "Tower fore-aft 1", "tower_fa2": "Tower fore-aft 2", "tower_ss1": "Tower side-side 1",
+    "tower_ss2": "Tower side-side 2",
 }  # fmt: skip
 CHANNEL_LABELS = {
-    "PtfmSurge": "Surge", "PtfmSway": "Sway", "PtfmHeave": "Heave", "PtfmRoll": "Roll", "PtfmPitch": "Pitch", "PtfmYaw": "Yaw",
+    "PtfmSurge": "Surge", "PtfmSway": "Sway", "PtfmHeave": "Heave", "PtfmRoll": "Roll", "PtfmPitch": "Pitch",
+    "PtfmYaw": "Yaw",
     "TTDspFA": "Tower-top fore-aft", "TTDspSS": "Tower-top side-side", "NcIMUTAxs": "Nacelle acceleration fore-aft",
-    "NcIMUTAys": "Nacelle acceleration side-side", "TwrBsFxt": "Tower-base shear fore-aft", "TwrBsFyt": "Tower-base shear side-side",
+    "NcIMUTAys": "Nacelle acceleration side-side", "TwrBsFxt": "Tower-base shear fore-aft",
+    "TwrBsFyt": "Tower-base shear side-side",
     "TwrBsMyt": "Tower-base moment fore-aft", "TwrBsMxt": "Tower-base moment side-side",
 }  # fmt: skip
 CHANNEL_DOFS = {
-    "PtfmSurge": "surge", "PtfmSway": "sway", "PtfmHeave": "heave", "PtfmRoll": "roll", "PtfmPitch": "pitch", "PtfmYaw": "yaw",
+    "PtfmSurge": "surge", "PtfmSway": "sway", "PtfmHeave": "heave", "PtfmRoll": "roll", "PtfmPitch": "pitch",
+    "PtfmYaw": "yaw",
     "TTDspFA": "tower_fa1", "TTDspSS": "tower_ss1",
 }  # fmt: skip
 PANEL_LABELS = {
     "TTDspFA": "Tower top x", "TTDspSS": "Tower top y", "NcIMUTAxs": "Nacelle acc. x", "NcIMUTAys": "Nacelle acc. y",
-    "TwrBsFxt": "Tower-base shear x", "TwrBsFyt": "Tower-base shear y", "TwrBsMyt": "Tower-base moment y", "TwrBsMxt": "Tower-base moment x",
+    "TwrBsFxt": "Base shear x", "TwrBsFyt": "Base shear y", "TwrBsMyt": "Base moment y", "TwrBsMxt": "Base moment x",
 }  # fmt: skip
 MOTIONS = tuple(CHANNEL_DOFS)
 TOWER_BASE = ("TwrBsFxt", "TwrBsFyt", "TwrBsMyt", "TwrBsMxt")
 PEOPLE = {"rad": ("deg", 180 / np.pi), "N": ("kN", 1e-3), "N m": ("MN m", 1e-6), "m/s^2": ("m/s²", 1.0)}
 NEGLIGIBLE = 0.02  # of the largest of its kind: not drawn
 SEAS = {
-    "jonswap": "JONSWAP", "pierson_moskowitz": "Pierson–Moskowitz", "white_noise": "white noise", "torsethaugen": "Torsethaugen",
+    "jonswap": "JONSWAP", "pierson_moskowitz": "Pierson–Moskowitz", "white_noise": "white noise",
+    "torsethaugen": "Torsethaugen",
     "ochi_hubble": "Ochi–Hubble", "table": "given spectrum", "still": "still water",
 }  # fmt: skip
 
@@ -114,6 +119,11 @@ def slug(text: str) -> str:
     return re.sub(r"[^A-Za-z0-9]+", "_", text.replace(".", "p").replace("°", "deg")).strip("_").lower() or "unnamed"
 
 
+def spectra_group(item) -> str:
+    """Return the group of figures of a state's spectra."""
+    return f"spectra of {item.state.name}"
+
+
 def split_spectra(item) -> tuple[np.ndarray, np.ndarray]:
     """Return the parts of a state's response spectra (n, c) [unit2/(rad/s)] that waves and wind cause."""
     return spectra_by_cause(item.channels, item.response)
@@ -122,6 +132,12 @@ def split_spectra(item) -> tuple[np.ndarray, np.ndarray]:
 def has_wind(item) -> bool:
     """Tell whether turbulence drives a state."""
     return bool(np.any(item.response.excitation.wind_spectrum))
+
+
+def main_headings(item) -> list[int]:
+    """Return the places of a state's headings that have the most wave energy (one, unless several are equal)."""
+    energy = item.response.excitation.wave_spectrum.max(axis=1)
+    return [int(k) for k in np.flatnonzero(energy >= 0.999 * energy.max())] if np.any(energy) else [0]
 
 
 def at_rest(value, unit: str) -> bool:

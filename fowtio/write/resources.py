@@ -11,7 +11,7 @@ _CHECKOUT = Path(__file__).resolve().parents[2] / "templates"
 def template_folder(kind: str = "") -> Path:
     """Return the folder of all templates, or of one kind ("report", "fmu", ...); raise FileNotFoundError.
 
-    They are the files of the package `fowtio.templates`; in a checkout that is not installed, of its `templates` folder.
+    They are the files of the package `fowtio.templates`; in a checkout, of its `templates` folder.
     """
     try:
         packaged = Path(str(resources.files("fowtio.templates").joinpath(kind or ".")))

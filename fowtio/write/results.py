@@ -27,8 +27,8 @@ def write_results(
 ) -> list[Path]:
     """Write the results of a study into a folder and return the paths of the files; all appear or none.
 
-    figures as PNG and SVG, in the report too; report as HTML, with extra_sections (`fowtio.write.report.Section`); progress is
-    told what is being written.
+    figures as PNG and SVG, in the report too; report as HTML, with extra_sections (`fowtio.write.report.Section`);
+    progress is told what is being written. Raises ValueError without results.
     """
     if not loads:
         raise ValueError("there are no results to write: the study has no states")

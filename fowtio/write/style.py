@@ -20,24 +20,39 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-BLUE, ORANGE, GREEN, SKY, PURPLE, AMBER, INK, GREY = "#0072B2", "#D55E00", "#009E73", "#56B4E9", "#CC79A7", "#E69F00", "#222222", "#8A8F98"
+BLUE, ORANGE, GREEN, SKY, PURPLE, AMBER, INK, GREY = (
+    "#0072B2",
+    "#D55E00",
+    "#009E73",
+    "#56B4E9",
+    "#CC79A7",
+    "#E69F00",
+    "#222222",
+    "#8A8F98",
+)
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, AMBER, SKY)
 DASHES = ("-", "--", "-.", ":")
 DPI = 150
 RC = {
-    "font.family": "sans-serif", "font.sans-serif": ["DejaVu Sans"], "font.size": 9, "axes.titlesize": 9.5, "axes.labelsize": 9,
+    "font.family": "sans-serif", "font.sans-serif": ["DejaVu Sans"], "font.size": 9, "axes.titlesize": 9.5,
+    "axes.labelsize": 9,
     "xtick.labelsize": 8, "ytick.labelsize": 8, "legend.fontsize": 8.5, "axes.linewidth": 0.7, "axes.edgecolor": GREY,
-    "axes.labelcolor": INK, "text.color": INK, "xtick.color": GREY, "ytick.color": GREY, "xtick.labelcolor": INK, "ytick.labelcolor": INK,
-    "xtick.major.width": 0.7, "ytick.major.width": 0.7, "xtick.major.size": 3, "ytick.major.size": 3, "xtick.minor.size": 0,
-    "ytick.minor.size": 0, "axes.grid": True, "grid.color": "#E6E8EB", "grid.linewidth": 0.7, "axes.axisbelow": True, "lines.linewidth": 1.5,
-    "lines.solid_capstyle": "round", "legend.frameon": False, "axes.spines.top": False, "axes.spines.right": False, "figure.facecolor": "white",
-    "svg.fonttype": "none", "axes.titlelocation": "left", "axes.titlepad": 5, "axes.titley": 1.0, "path.simplify_threshold": 0.2, "axes.unicode_minus": True,
+    "axes.labelcolor": INK, "text.color": INK, "xtick.color": GREY, "ytick.color": GREY, "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.major.width": 0.7, "ytick.major.width": 0.7, "xtick.major.size": 3, "ytick.major.size": 3,
+    "xtick.minor.size": 0,
+    "ytick.minor.size": 0, "axes.grid": True, "grid.color": "#E6E8EB", "grid.linewidth": 0.7, "axes.axisbelow": True,
+    "lines.linewidth": 1.5,
+    "lines.solid_capstyle": "round", "legend.frameon": False, "axes.spines.top": False, "axes.spines.right": False,
+    "figure.facecolor": "white",
+    "svg.fonttype": "none", "axes.titlelocation": "left", "axes.titlepad": 5, "axes.titley": 1.0,
+    "path.simplify_threshold": 0.2, "axes.unicode_minus": True,
 }  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Drawing:
-    """A figure with what belongs to it: file name without suffix, group (a word by which reports place it), title, caption."""
+    """A figure with what belongs to it: file name without suffix, group (by which reports place it), title, caption."""
 
     name: str
     group: str
@@ -57,11 +72,21 @@ class Picture:
     svg: str
 
 
-def grid(rows: int, columns: int, *, width: float = 11.0, height: float = 1.9, ratios=(1.0,), gaps=(0.5,), top: float = 0.55, between: float = 0.65):
+def grid(
+    rows: int,
+    columns: int,
+    *,
+    width: float = 11.0,
+    height: float = 1.9,
+    ratios=(1.0,),
+    gaps=(0.5,),
+    top: float = 0.55,
+    between: float = 0.65,
+):
     """Return a figure and its axes (rows, columns) with margins in inches, so that no layout has to be searched.
 
-    width of all, height of a row of ratio 1, ratios of the rows and gaps below them (both repeated), top margin, gap between
-    columns [in].
+    width of all, height of a row of ratio 1, ratios of the rows and gaps below them (both repeated), top margin, gap
+    between columns [in].
     """
     left, right, bottom = 0.7, 0.22, 0.5
     heights = [height * ratios[i % len(ratios)] for i in range(rows)]
@@ -74,7 +99,9 @@ def grid(rows: int, columns: int, *, width: float = 11.0, height: float = 1.9, r
     for i in range(rows):
         y -= heights[i]
         for j in range(columns):
-            axes[i, j] = figure.add_axes([(left + j * (wide + between)) / width, y / total, wide / width, heights[i] / total])
+            axes[i, j] = figure.add_axes(
+                [(left + j * (wide + between)) / width, y / total, wide / width, heights[i] / total]
+            )
         y -= below[i]
     return figure, axes
 
@@ -90,20 +117,21 @@ def save(drawing: Drawing, folder: Path) -> Picture:
 
 
 def _svg(figure: Figure) -> str:
-    """Return a figure as SVG without prologue and metadata, so that it can stand in a page and is the same every time."""
+    """Return a figure as SVG without prologue, metadata and names of groups: for a page, the same every time."""
     stream = io.StringIO()
     figure.set_dpi(72)
     FigureCanvasSVG(figure).print_svg(stream, metadata={"Date": None, "Creator": None})
     text = stream.getvalue()
     text = text[text.index("<svg") :]
-    return re.sub(r"\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = re.sub(r"\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    return re.sub(r'<g id="[^"]*"', "<g", text)
 
 
 def frequency_axis(ax: Axes, low: float, high: float, label: bool = True) -> None:
     """Make x a logarithmic frequency axis in Hz with plain numbers."""
     ax.set_xscale("log")
     ax.set_xlim(low, high)
-    steps = (1,) if high / low > 400 else (1, 3)
+    steps = (1,) if high / low > 400 else (1, 3) if high / low > 30 else (1, 2, 5)
     ticks = [t for t in (m * 10.0**e for e in range(-6, 4) for m in steps) if low * 0.999 <= t <= high * 1.001]
     ax.xaxis.set_major_locator(FixedLocator(ticks))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
@@ -137,7 +165,16 @@ def plain(value: float, _=None) -> str:
 def legend(figure: Figure, handles: Sequence, labels: Sequence[str]) -> None:
     """Put one legend for all axes at the top left of a figure."""
     height = figure.get_size_inches()[1]
-    figure.legend(handles, labels, loc="upper left", bbox_to_anchor=(0.055, 1 - 0.04 / height), ncols=min(len(labels), 6), handlelength=2.0, borderaxespad=0.0, columnspacing=1.6)
+    figure.legend(
+        handles,
+        labels,
+        loc="upper left",
+        bbox_to_anchor=(0.055, 1 - 0.04 / height),
+        ncols=min(len(labels), 6),
+        handlelength=2.0,
+        borderaxespad=0.0,
+        columnspacing=1.6,
+    )
 
 
 def unwrapped(phase: np.ndarray) -> np.ndarray:

@@ -16,8 +16,8 @@ DECIMALS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """A column: name; unit ("" for none, ROW when rows have their own); decimals (None: as suits the unit), or digits after the
-    point of scientific notation.
+    """A column: name; unit ("" for none, ROW when rows have their own); decimals (None: as suits the unit), or digits
+    after the point of scientific notation.
     """
 
     name: str
@@ -84,7 +84,9 @@ def joined(name: str, title: str, label: str, tables: Sequence[tuple[str, Table]
     for key, table in tables:
         at = [table.columns.index(c) if c in table.columns else None for c in columns]
         rows += [(key, *(None if k is None else row[k] for k in at)) for row in table.rows]
-    return Table(name=name, title=title, columns=(Column(name=label), *columns), rows=tuple(rows), note=tables[0][1].note)
+    return Table(
+        name=name, title=title, columns=(Column(name=label), *columns), rows=tuple(rows), note=tables[0][1].note
+    )
 
 
 def number(value, unit: str = "", decimals: int | None = None) -> str:

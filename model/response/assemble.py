@@ -14,7 +14,10 @@ from model.system.contributions import Contribution, added_mass_contribution, co
 from model.system.drag import DragMembers
 from model.system.hydro import HydroCoefficients, infinite_added_mass, radiation_at
 from model.system.mooring import MooringState, MooringSystem, mooring_state
+from model.system.tower import TOWER_MODES
 from model.system.turbine import TurbineMatrices
+
+DRIFT = 2 * np.pi / 3600  # rad/s
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -124,12 +127,13 @@ def equilibrium(system: System, *, tolerance: float = 1e-7, limit: int = 50) -> 
     """Return the mean offset: Newton on constant forces, linear stiffness and the moorings' force.
 
     Constant parts are linear about their own points, the moorings exact. A step is at most 10 m and 0.2 rad.
-    Raises ValueError when it does not converge (moorings that cannot hold the mean force, or none against surge).
+    Raises ValueError when it does not converge (moorings that cannot hold the mean force), or nothing holds that force.
     """
     constant, stiffness = _constant_force(system), system.stiffness
     offset = np.zeros(len(system.dofs))
     if system.mooring is None:
         held = np.abs(np.diag(stiffness)) > 1e-6 * np.abs(stiffness).max()
+        _check_held(system, constant, held)
         offset[held] = np.linalg.solve(stiffness[np.ix_(held, held)], constant[held])
         return Equilibrium(offset=offset, mooring=None, stiffness=stiffness, iterations=1)
     limits = np.array([0.2 if d in PLATFORM_DOFS[3:] else 10.0 for d in system.dofs])
@@ -149,6 +153,14 @@ def equilibrium(system: System, *, tolerance: float = 1e-7, limit: int = 50) -> 
         f"no mean offset after {limit} steps (last {np.round(offset, 3)}); can the moorings hold the mean force "
         f"{np.round(constant[:3] / 1e3, 1)} kN?"
     )
+
+
+def _check_held(system: System, force: np.ndarray, held: np.ndarray) -> None:
+    """Raise ValueError when a mean force of any size (against the weight) acts where nothing holds the floater."""
+    weight = max(np.abs(p.force).max() for p in system.parts)
+    for dof, f, hold in zip(system.dofs, force, held, strict=True):
+        if not hold and dof in PLATFORM_DOFS[:2] and abs(f) > 1e-4 * weight:
+            raise ValueError(f"no mean offset: nothing holds the mean force of {f / 1e3:.1f} kN in {dof}; it needs moorings")
 
 
 def _constant_force(system: System) -> np.ndarray:
@@ -172,39 +184,55 @@ def natural_modes(system: System, mean: Equilibrium, drag_damping=None, *, lever
     """Return the natural modes about the mean offset with the added mass and radiation damping of their own frequency.
 
     drag_damping (6, 6) is added when given. Each mode is iterated: complex eigenvalues of the second-order system with
-    A(omega) and B(omega) at the mode's last frequency. lever [m] weighs rotations against translations for the names.
+    A(omega) and B(omega) at the mode's last frequency; one that is damped beyond oscillating has its undamped frequency
+    and modal damping. Motions that nothing brings back within an hour are drift and left out. lever [m] weighs
+    rotations against translations for the names. Raises ValueError for a floater that is statically unstable.
     """
     scale = np.array([lever if d in PLATFORM_DOFS[3:] else 1.0 for d in system.dofs])
     here = np.ix_(system.platform, system.platform)
     rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
     inner = np.ix_(rows, rows)
 
-    def eigen(omega):
+    def matrices(omega):
         added, radiated = radiation_at(system.hydro, np.array([omega]))
         mass, damping = system.mass.copy(), system.damping.copy()
         mass[here] += added[0][inner]
         damping[here] += radiated[0][inner] + (0 if drag_damping is None else drag_damping[inner])
-        return _complex_modes(mass, damping, mean.stiffness)
+        return mass, damping
 
-    start, first = _undamped_modes(system, mean, here, inner)
-    values, shapes = [], []
-    for value, shape in zip(start, first.T, strict=True):
-        for _ in range(30):
-            eigenvalues, vectors = eigen(abs(value))
-            near = np.argmax(_alike(vectors, shape, scale))
-            done = abs(eigenvalues[near] - value) < 1e-9 * abs(value)
-            value, shape = eigenvalues[near], vectors[:, near]
-            if done:
-                break
-        values.append(value)
-        shapes.append(shape)
-    values, shapes = np.array(values), np.array(shapes).T
-    order = np.argsort(np.abs(values))
-    values, shapes, start = values[order], shapes[:, order], start[order]
+    ordinary = all(d in PLATFORM_DOFS + TOWER_MODES for d in system.dofs)
+    if ordinary:
+        start, first = _undamped_modes(system, mean, here, inner)
+    else:  # blades in multi-blade coordinates: gyroscopic, the matrices not symmetric
+        values, first = _complex_modes(*matrices(1e3), mean.stiffness)
+        start = np.abs(values)
+    found = [_mode(matrices, mean.stiffness, w, x, scale) for w, x in zip(start, first.T, strict=True)]
+    values = np.array([w for w, _, _ in found])
+    order = np.argsort(values)
+    values, ratios, start = values[order], np.array([z for _, z, _ in found])[order], start[order]
+    shapes = np.array([x for _, _, x in found]).reshape(len(found), len(system.dofs)).T[:, order]
     names = _names(system.dofs, shapes * scale[:, None], values, mean, system)
     size = (shapes * scale[:, None])[np.argmax(np.abs(shapes * scale[:, None]), axis=0), np.arange(len(values))]
-    return Modes(names=names, frequency=np.abs(values), damping_ratio=-values.real / np.abs(values), shape=shapes / size,
-                 frequency_infinite=start)  # fmt: skip
+    return Modes(names=names, frequency=values, damping_ratio=ratios, shape=shapes / size, frequency_infinite=start)
+
+
+def _mode(matrices, stiffness, start: float, shape, scale) -> tuple[float, float, np.ndarray]:
+    """Return frequency, damping ratio and shape (q) of the mode that is nearest to an undamped one."""
+    mass, damping = matrices(start)
+    ratio = (shape.conj() @ damping @ shape / (2 * start * (shape.conj() @ mass @ shape))).real
+    if ratio >= 1 and np.isrealobj(shape):
+        return start, ratio, shape.astype(complex)
+    value = start
+    for _ in range(30):
+        eigenvalues, vectors = _complex_modes(*matrices(abs(value)), stiffness)
+        if not len(eigenvalues):
+            return start, ratio, shape.astype(complex)
+        near = np.argmax(_alike(vectors, shape, scale))
+        done = abs(eigenvalues[near] - value) < 1e-9 * abs(value)
+        value, shape = eigenvalues[near], vectors[:, near]
+        if done:
+            break
+    return abs(value), -value.real / abs(value), shape
 
 
 def _undamped_modes(system: System, mean: Equilibrium, here, inner) -> tuple[np.ndarray, np.ndarray]:
@@ -212,7 +240,14 @@ def _undamped_modes(system: System, mean: Equilibrium, here, inner) -> tuple[np.
     mass = (system.mass + system.mass.T) / 2
     mass[here] += infinite_added_mass(system.hydro)[inner]
     values, shapes = eigh((mean.stiffness + mean.stiffness.T) / 2, mass)
-    return np.sqrt(np.abs(values)), shapes
+    if values[0] < -(DRIFT**2):
+        leads = np.argmax(np.abs(shapes[:, 0]) * np.sqrt(np.diag(mass)))
+        raise ValueError(
+            f"the floater is statically unstable in {system.dofs[leads]} about its mean offset (stiffness "
+            f"{mean.stiffness[leads, leads]:.4g}); check the centre of mass, the hydrostatic stiffness and the moorings"
+        )
+    kept = values > DRIFT**2
+    return np.sqrt(values[kept]), shapes[:, kept]
 
 
 def _complex_modes(mass, damping, stiffness) -> tuple[np.ndarray, np.ndarray]:

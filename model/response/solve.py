@@ -261,7 +261,7 @@ class _Drag:
 
     def _covariance(self, velocity: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """Return the covariances (s, 2, 2) of velocities (2 s, n) per unit of a spectrum with weights (n)."""
-        v = velocity.reshape(len(self.members), 2, -1)
+        v = velocity.reshape(len(self.members), 2, len(weight))
         square = (v.real**2 + v.imag**2) @ weight
         cross = (v[:, 0].real * v[:, 1].real + v[:, 0].imag * v[:, 1].imag) @ weight
         return np.stack([square[:, 0], cross, cross, square[:, 1]], axis=-1).reshape(-1, 2, 2)

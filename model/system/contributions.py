@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from model.conventions import PLATFORM_DOFS, freeze
 from model.system.hydro import HydroCoefficients, infinite_added_mass
 from model.system.identified import SecondOrder, perturbation_error
 from model.system.mooring import MooringSystem, mooring_state
+from model.system.tower import TOWER_MODES
 from model.system.turbine import RigidBody, TurbineMatrices, platform_matrices
 
 
@@ -108,13 +109,15 @@ def widen(part: Contribution, dofs: Sequence[str]) -> Contribution:
 
 
 def turbine_of_linearisation(
-    found: SecondOrder, contained: Sequence[Contribution], *, gravity: float, source: str
+    found: SecondOrder, contained: Sequence[Contribution], *, gravity: float, source: str, rigid_mass=None
 ) -> TurbineMatrices:
     """Return the turbine alone: a linearisation less everything else that it holds.
 
     contained are the parts that the linearised deck held beside the turbine (platform body, hydrostatics, moorings,
     infinite-frequency added mass, additional springs and dampers). The force on the turbine at the operating point
-    follows from equilibrium there. ElastoDyn's finite rotation step is taken out of the stiffness.
+    follows from equilibrium there. ElastoDyn's finite rotation step is taken out of the stiffness; for that
+    rigid_mass (r, r), the structural mass in platform motions and tower modes, is needed where there are other degrees
+    of freedom.
     """
     parts = [widen(p, found.dofs) for p in contained]
     structural = found.mass - sum((p.mass for p in parts if "added mass" in p.name), np.zeros_like(found.mass))
@@ -126,7 +129,42 @@ def turbine_of_linearisation(
         mass=found.mass - sum((p.mass for p in parts), zero),
         damping=found.damping - sum((p.damping for p in parts), zero),
         stiffness=found.stiffness - sum((p.stiffness for p in parts), zero)
-        - perturbation_error(structural, found.dofs, gravity),
+        - _rotation_step_error(found.dofs, structural, rigid_mass, gravity),
         force=-others, point=found.point, wind_force=found.wind_force, wind_speed=found.wind_speed,
         rotor_speed=found.rotor_speed, source=source,
+    )  # fmt: skip
+
+
+def _rotation_step_error(dofs, structural: np.ndarray, rigid_mass, gravity: float) -> np.ndarray:
+    """Return the stiffness error (q, q) of ElastoDyn's finite rotation step, by the accelerations of the rigid part."""
+    rigid = [k for k, d in enumerate(dofs) if d in PLATFORM_DOFS + TOWER_MODES]
+    if len(rigid) == len(dofs):
+        return perturbation_error(structural, dofs, gravity)
+    out = np.zeros_like(structural)
+    if rigid_mass is not None:
+        names = tuple(dofs[k] for k in rigid)
+        acceleration = np.linalg.solve(rigid_mass, perturbation_error(np.asarray(rigid_mass), names, gravity))
+        out[:, rigid] = structural[:, rigid] @ acceleration
+    return out
+
+
+def condense(turbine: TurbineMatrices, keep: Sequence[str]) -> TurbineMatrices:
+    """Return the turbine with the degrees of freedom not kept following statically.
+
+    keep names those that stay, in their order in the turbine. The others move as their own static equations say; forces on them
+    are passed on (Guyan 1965, with left and right transformation because the stiffness need not be symmetric).
+    """
+    stay = [k for k, d in enumerate(turbine.dofs) if d in keep]
+    go = [k for k, d in enumerate(turbine.dofs) if d not in keep]
+    if not go:
+        return turbine
+    c = turbine.stiffness
+    right, left = np.zeros((len(turbine.dofs), len(stay))), np.zeros((len(stay), len(turbine.dofs)))
+    right[stay], left[:, stay] = np.eye(len(stay)), np.eye(len(stay))
+    right[go] = -np.linalg.solve(c[np.ix_(go, go)], c[np.ix_(go, stay)])
+    left[:, go] = -np.linalg.solve(c[np.ix_(go, go)].T, c[np.ix_(stay, go)].T).T
+    return replace(
+        turbine, dofs=tuple(turbine.dofs[k] for k in stay), mass=left @ turbine.mass @ right, damping=left @ turbine.damping @ right,
+        stiffness=left @ c @ right, force=left @ turbine.force, point=turbine.point[stay], wind_force=left @ turbine.wind_force,
+        gradient_force=turbine.gradient_force @ left.T, source=f"{turbine.source}, {len(go)} degrees of freedom condensed",
     )  # fmt: skip

@@ -8,6 +8,8 @@ import numpy as np
 
 from model.conventions import PLATFORM_DOFS, freeze, rotation
 from model.system.linearisation import Linearisation
+from model.system.mbc import azimuth_average
+from model.system.tower import TOWER_MODES
 
 PLATFORM_LOADS = tuple(f"ED Platform {axis} {kind}, node 1" for kind in ("force", "moment") for axis in "XYZ")
 WIND_INPUTS = ("IfW Extended input: horizontal wind speed", "AD Extended input: horizontal wind speed")
@@ -46,7 +48,8 @@ def inverse_mass(record: Linearisation, tower_top: float) -> np.ndarray:
     """Return the inverse mass matrix (q, q) of a record in the order of its degrees of freedom.
 
     A unit load on the platform accelerates the degrees of freedom by a column of the inverse mass matrix; the column of
-    a tower's first mode is that of a force on the tower top at height tower_top [m] less what it does to the platform.
+    a tower's first mode is that of a force on the tower top at height tower_top [m] less what it does to the platform. Other
+    degrees of freedom get a unit column: their equations are scaled to unit inertia.
     Raises ValueError when the record lacks the load inputs.
     """
     if not has_load_inputs(record):
@@ -67,41 +70,38 @@ def inverse_mass(record: Linearisation, tower_top: float) -> np.ndarray:
                 raise ValueError(f"{record.source} has no nacelle load inputs; linearise with LinInputs = 2")
             force = PLATFORM_DOFS.index("surge" if axis == "X" else "sway")
             out[:, k] = record.B[rates, column] - loads[:, force] - sign * tower_top * loads[:, moment]
+        elif dof in TOWER_MODES:
+            raise ValueError(f"{record.source}: the mass matrix of {dof} beside a first mode cannot be recovered from loads")
         else:
-            raise ValueError(
-                f"{record.source}: the mass matrix of degree of freedom {dof} cannot be recovered from loads"
-            )
+            out[k, k] = 1.0
     return out
 
 
-def second_order(records: list[Linearisation], tower_top: float, mass: np.ndarray | None = None) -> SecondOrder:
-    """Return the azimuth-averaged second-order form of the records of one operating point.
+def second_order(
+    records: list[Linearisation], tower_top: float, mass: np.ndarray | None = None, blades: int = 3
+) -> SecondOrder:
+    """Return the azimuth-averaged second-order form of the records of one operating point, in the fixed frame.
 
-    records at equally spaced azimuths, all with the same states, none rotating; tower_top [m]; mass (q, q) in the
-    order of the records' degrees of freedom, None to recover it from the load inputs. Raises ValueError.
+    records at equally spaced azimuths, all with the same states; tower_top [m]; mass (q, q) in the order of the records'
+    degrees of freedom, None to recover it from the load inputs; blades, for multi-blade coordinates. The equations of
+    degrees of freedom that no load input drives alone (blades, drivetrain) are scaled to unit inertia: the
+    matrices then are not symmetric, the solution is the same. Raises ValueError.
     """
-    first = records[0]
-    for other in records[1:]:
-        if other.state_names != first.state_names:
-            raise ValueError(f"{other.source} has other states than {first.source}; average files of one run only")
-    dofs, rates = _dofs(first)
+    record = azimuth_average(records, blades)
+    dofs, rates = _dofs(record)
     source = "given"
     if mass is None:
-        recovered = [np.linalg.inv(inverse_mass(r, tower_top)) for r in records]
-        mass = np.mean([(m + m.T) / 2 for m in recovered], axis=0)
+        mass = np.linalg.inv(inverse_mass(record, tower_top))
+        if all(d in PLATFORM_DOFS + TOWER_MODES for d in dofs):
+            mass = (mass + mass.T) / 2
         source = "load inputs of the linearisation"
-    places = [first.state_dof.index(dof) for dof in dofs]
-    stiffness = -mass @ np.mean([r.A[np.ix_(rates, places)] for r in records], axis=0)
-    damping = -mass @ np.mean([r.A[np.ix_(rates, rates)] for r in records], axis=0)
-    wind = np.zeros(len(dofs))
-    column = next((c for c in (_column(first, name) for name in WIND_INPUTS) if c is not None), None)
-    if column is not None:
-        wind = mass @ np.mean([r.B[rates, column] for r in records], axis=0)
+    places = [record.state_dof.index(dof) for dof in dofs]
+    column = next((c for c in (_column(record, name) for name in WIND_INPUTS) if c is not None), None)
+    wind = np.zeros(len(dofs)) if column is None else mass @ record.B[rates, column]
     return SecondOrder(
-        dofs=dofs, mass=mass, damping=damping, stiffness=stiffness, wind_force=wind,
-        point=np.mean([r.state_point[places] for r in records], axis=0),
-        wind_speed=float(np.mean([r.wind_speed for r in records])),
-        rotor_speed=float(np.mean([r.rotor_speed for r in records])), mass_source=source,
+        dofs=dofs, mass=mass, damping=-mass @ record.A[np.ix_(rates, rates)], stiffness=-mass @ record.A[np.ix_(rates, places)],
+        wind_force=wind, point=record.state_point[places], wind_speed=record.wind_speed, rotor_speed=record.rotor_speed,
+        mass_source=source,
     )  # fmt: skip
 
 

@@ -37,11 +37,12 @@ def synthetic(
     excitation = np.concatenate([force, moment], axis=-1).sum(axis=2)
     stiffness = np.zeros((6, 6))
     stiffness[2:5, 2:5] = 1e6 * np.array([[4.0, 2.0, -3.0], [2.0, 900.0, 5.0], [-3.0, 5.0, 1100.0]])
-    stiffness[3, 5], stiffness[4, 5] = -2.5e6, 1.5e6
+    volume, buoyancy = 12345.0, (0.5, -0.25, -9.0)
+    stiffness[3, 5], stiffness[4, 5] = (-density * gravity * volume * c for c in buoyancy[:2])
     return HydroCoefficients(
         omega=omega, added_mass=added, radiation_damping=damping, added_mass_zero=2 * base, added_mass_infinite=base,
-        heading=heading, excitation=excitation, hydrostatic_stiffness=stiffness, volume=12345.0,
-        centre_of_buoyancy=(0.5, -0.25, -9.0), reference_point=point, density=density, gravity=gravity, depth=depth,
+        heading=heading, excitation=excitation, hydrostatic_stiffness=stiffness, volume=volume,
+        centre_of_buoyancy=buoyancy, reference_point=point, density=density, gravity=gravity, depth=depth,
     )  # fmt: skip
 
 
@@ -61,6 +62,7 @@ def assert_equal(got, want, tolerance, fields=FIELDS, **looser):
         scale = np.abs(b).max()
         if b.shape[-2:] == (6, 6):  # forces and moments have scales of their own
             blocks = np.abs(b).reshape(-1, 2, 3, 2, 3).max(axis=(0, 2, 4))
+            blocks[[0, 1], [1, 0]] = np.sqrt(blocks[0, 0] * blocks[1, 1])
             scale = np.kron(blocks, np.ones((3, 3)))
         elif name == "excitation":
             scale = np.repeat(np.abs(b).reshape(-1, 2, 3).max(axis=(0, 2)), 3)

@@ -64,7 +64,7 @@ def test_what_a_file_says(tmp_path):
 
 def test_repeat_turns_clockwise(tmp_path):
     # OpenFAST 5 with MAP++: a line towards 60 degrees with `repeat 240 120` has T[2] along 180 and T[3] towards 300 degrees
-    x, y = 800 * np.cos(np.pi / 3), 800 * np.sin(np.pi / 3)
+    x, y = float(800 * np.cos(np.pi / 3)), float(800 * np.sin(np.pi / 3))
     text = SAMPLE.replace("1 Fix     800   0", f"1 Fix {x!r} {y!r}").replace(" repeat 120\n repeat 240", " repeat 240 120")
     system = mooring(tmp_path, text)
     anchors = system.position[[0, 3, 6]]
@@ -89,11 +89,11 @@ def test_embedded_file(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "line", "words"),
     [
-        ("2 ROPE ", "2 wire ", 17, "a line type"), ("370  2 3", "370  2 9", 17, "a node"), ("450  1 2", "450  1", 16, "5 columns"),
+        ("2 ROPE ", "2 wire ", 17, "a line type"), ("370  2 3", "370  2 9", 17, "a node"), ("450  1 2 tension_fair gx_pos", "450  1", 16, "5 columns"),
         ("1 chain 450", "1 chain #450", 16, "iteration"), ("gx_pos", "OMIT_CONTACT", 16, "seabed"), ("altitude", "LINEAR_SPRING", 17, "catenaries"),
         ("gx_pos", "DAMAGE_TIME 100", 16, "break"), ("2 Connect", "2 Conect", 11, "Fix, Vessel or Connect"), ("2000 1.5 10", "2000 1.5 #", 11, "Connect node"),
         ("-14    0 0", "-14    50 0", 12, "platform's mass"), ("3 VESSEL", "2 VESSEL", 12, "every node once"), ("rope      0.2", "CHAIN   0.2", 5, "every line type once"),
-        ("113.35", "NaN", 4, "a number"), ("1.0D8", "*****", 5, "a number"), ("(-)       (m)", "x       (m)", 3, "units"), ("repeat 240", "repeat x", 24, "a number"),
+        ("113.35", "NaN", 4, "a number"), ("1.0D8", "*****", 5, "a number"), ("(-)       (m)", "x       (m)", 3, "units"), ("repeat 240", "repeat x", 25, "a number"),
         ("Fix     800   0  depth", "Fix     800   0  -250", None, "seabed"), ("1 chain 450", "1 chain -450", None, "length"),
     ],
 )  # fmt: skip
