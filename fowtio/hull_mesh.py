@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+WATERLINE_POWER = 1.4
 SYMMETRIES = {"none": 1, "xz": 2, "xz yz": 4, "three-fold xz": 6}
 
 
@@ -65,26 +66,15 @@ def turned(panels: np.ndarray, angle: float) -> np.ndarray:
     return panels @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]).T
 
 
-def graded(start, end, size: float, *, grading: float = 0.8, least: int = 2) -> np.ndarray:
-    """Return points (k + 1, ...) from start to end, about `size` apart, finer towards both ends (sharp edges).
-
-    grading 0 is uniform, 1 is the cosine rule.
-    """
-    start, end = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
-    count = max(least, int(np.ceil(np.linalg.norm(np.atleast_1d(end - start)) / size - 1e-9)))
-    u = np.linspace(0.0, 1.0, count + 1)
-    t = (1 - grading) * u + grading * (1 - np.cos(np.pi * u)) / 2
-    return start + t.reshape((-1,) + (1,) * start.ndim) * (end - start)
-
-
-def revolved(corners, size: float, around: int, *, centre=(0.0, 0.0), sector=(0.0, 2 * np.pi)) -> np.ndarray:
+def revolved(corners, size, around: int, *, refine: int = 1, centre=(0.0, 0.0), sector=(0.0, 2 * np.pi)) -> np.ndarray:
     """Return panels of a surface of revolution about a vertical axis.
 
-    corners (k, 2): radius and elevation [m] from the waterline down to the axis; size of panels along the profile [m];
-    `around` panels on the full circle; centre (2) [m]; sector of angles [rad].
+    corners (k, 2): radius and elevation [m] from the waterline down to the axis; size of panels along the profile [m], or their number on each piece;
+    `around` panels on the full circle; refine divides every panel's side by a whole number; centre (2) [m]; sector of
+    angles [rad]. Rows are finer near still water, where waves are.
     """
-    profile = polyline(corners, size)
-    count = max(1, round(around * (sector[1] - sector[0]) / (2 * np.pi)))
+    profile = polyline(corners, size, refine)
+    count = refine * max(1, round(around * (sector[1] - sector[0]) / (2 * np.pi)))
     angle = np.linspace(*sector, count + 1)
     step = angle[1] - angle[0]
     radius, z = profile[:, 0] * np.sqrt(step / np.sin(step)), profile[:, 1]
@@ -94,17 +84,24 @@ def revolved(corners, size: float, around: int, *, centre=(0.0, 0.0), sector=(0.
     return _quads(points)
 
 
-def polyline(corners, size: float) -> np.ndarray:
-    """Return points along straight pieces between corners, each piece graded towards its ends."""
+def polyline(corners, size, refine: int = 1) -> np.ndarray:
+    """Return points along straight pieces between corners; a piece that starts at still water is finer there.
+
+    size is a length [m], or the number of panels of every piece.
+    """
     corners = np.asarray(corners, dtype=float)
-    pieces = [graded(a, b, size) for a, b in zip(corners[:-1], corners[1:], strict=True)]
-    return np.concatenate([corners[:1]] + [piece[1:] for piece in pieces])
+    pieces = [corners[:1]]
+    for k, (a, b) in enumerate(zip(corners[:-1], corners[1:], strict=True)):
+        count = refine * (max(1, round(np.linalg.norm(b - a) / size)) if np.isscalar(size) else size[k])
+        u = np.linspace(0.0, 1.0, count + 1)[1:, None]
+        at_surface = a[1] == 0 and b[1] < 0
+        pieces.append(a + (u**WATERLINE_POWER if at_surface else u) * (b - a))
+    return np.concatenate(pieces)
 
 
-def lid_disc(radius: float, rings: int, around: int, *, centre=(0.0, 0.0), sector=(0.0, 2 * np.pi)) -> np.ndarray:
+def lid_disc(radius: float, rings: int, around: int, *, refine: int = 1, centre=(0.0, 0.0), sector=(0.0, 2 * np.pi)) -> np.ndarray:
     """Return the panels of a lid at still water inside a round column, facing up like water above a body."""
-    corners = np.stack([np.linspace(radius, 0.0, rings + 1), np.zeros(rings + 1)], axis=1)
-    down = revolved(corners, 2 * radius, around, centre=centre, sector=sector)
+    down = revolved([(radius, 0.0), (0.0, 0.0)], radius / rings, around, refine=refine, centre=centre, sector=sector)
     return down[:, ::-1]
 
 
@@ -133,11 +130,11 @@ def tube(start, end, radius: float, along: int, around: int, *, side=(0.0, 2 * n
     return _quads(np.swapaxes(points, 0, 1)[::-1])
 
 
-def box(half_length: float, half_width: float, draft: float, size: float, *, moonpool: float = 0.0) -> np.ndarray:
+def box(half_length: float, half_width: float, draft: float, size: float, *, refine: int = 1, moonpool: float = 0.0) -> np.ndarray:
     """Return a quarter (x, y >= 0) of a box barge, with a square moonpool of side `moonpool` [m] in its middle."""
-    z = graded(0.0, -draft, size)
+    z = -draft * np.linspace(0.0, 1.0, refine * max(1, round(draft / size)) + 1) ** WATERLINE_POWER
     pool = moonpool / 2
-    x, y = _with_pool(half_length, pool, size), _with_pool(half_width, pool, size)
+    x, y = (_with_pool(half, pool, size, refine) for half in (half_length, half_width))
     side_x = _wall(x[x <= half_length + 1e-9], z, lambda s: (s, half_width))[:, ::-1]
     side_y = _wall(y, z, lambda s: (half_length, s))
     bottom = _quads(np.stack(np.meshgrid(x, y, indexing="ij") + [np.full((len(x), len(y)), -draft)], axis=-1))
@@ -149,10 +146,10 @@ def box(half_length: float, half_width: float, draft: float, size: float, *, moo
     return np.concatenate(parts)
 
 
-def box_lid(half_length: float, half_width: float, size: float, *, moonpool: float = 0.0) -> np.ndarray:
+def box_lid(half_length: float, half_width: float, size: float, *, refine: int = 1, moonpool: float = 0.0) -> np.ndarray:
     """Return a quarter of the lid of a box barge at still water, without the moonpool."""
     pool = moonpool / 2
-    x, y = _with_pool(half_length, pool, size), _with_pool(half_width, pool, size)
+    x, y = (_with_pool(half, pool, size, refine) for half in (half_length, half_width))
     panels = _quads(np.stack(np.meshgrid(x, y, indexing="ij") + [np.zeros((len(x), len(y)))], axis=-1))
     centre = panels.mean(axis=1)
     return panels[~((centre[:, 0] < pool) & (centre[:, 1] < pool))]
@@ -179,17 +176,11 @@ def _centroid_z(panels: np.ndarray, fallback: np.ndarray) -> np.ndarray:
     return np.where(total > 0, (first * z1 + second * z2) / safe, fallback[:, 2])
 
 
-def _with_pool(half: float, pool: float, size: float) -> np.ndarray:
-    if not pool:
-        return graded(-half, half, size)[graded(-half, half, size) >= -1e-9] if False else _half_graded(half, size)
-    return np.concatenate([_half_graded(pool, size), graded(pool, half, size)[1:]])
-
-
-def _half_graded(half: float, size: float) -> np.ndarray:
-    """Return points from the middle to an edge, finer towards the edge only."""
-    count = 2 * max(2, int(np.ceil(half / size)))
-    points = graded(-half, half, 2 * half / count)
-    return points[points >= -1e-9 * half].clip(0.0)
+def _with_pool(half: float, pool: float, size: float, refine: int) -> np.ndarray:
+    """Return points from the middle of a barge to its side, with one at the wall of the moonpool."""
+    outer = np.linspace(pool, half, refine * max(1, round((half - pool) / size)) + 1)
+    inner = np.linspace(0.0, pool, refine * max(1, round(pool / size)) + 1)[:-1] if pool else []
+    return np.concatenate([inner, outer])
 
 
 def _wall(s: np.ndarray, z: np.ndarray, place) -> np.ndarray:

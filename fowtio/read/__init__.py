@@ -1,1 +1,17 @@
-"""Readers: one module a format, each returning what the file says."""
+"""Readers: one module a format, each returning what the file says; `read_any` takes any of them, told by content.
+
+Importing this package imports no reader: each is loaded when it is first needed.
+"""
+
+from __future__ import annotations
+
+from fowtio.read.registry import Format, describe, formats, read_any, recognise
+
+__all__ = ["FORMATS", "Format", "describe", "formats", "read_any", "recognise"]
+
+
+def __getattr__(name: str):
+    """Return FORMATS, every registered format, importing the readers when it is first asked for."""
+    if name == "FORMATS":
+        return formats()
+    raise AttributeError(f"module 'fowtio.read' has no attribute {name!r}")

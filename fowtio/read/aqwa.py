@@ -21,12 +21,13 @@ from fowtio.read.hydro_common import (
     choose_body,
     coefficients,
     describe_hydro,
+    number_at,
     number_table,
     phase_to_origin,
+    wave_number,
 )
 from fowtio.read.registry import Format
 from fowtio.read.text import numbers, read_lines
-from model.environment.airy import wavenumber
 from model.system.hydro import HydroCoefficients
 
 _LABELS = ("X", "Y", "Z", "RX", "RY", "RZ")
@@ -38,7 +39,7 @@ _PARTS = ("FROUDE KRYLOV FORCES-VARIATION WITH WAVE PERIOD", "DIFFRACTION FORCES
 
 def read_aqwa(path: str | Path, *, body: int | None = None) -> HydroCoefficients:
     """Return the coefficients of an AQWA .AH1 or .LIS file, by its content; body as read_aqwa_ah1. Raises FormatError."""
-    database = any(line.rstrip() == "GENERAL" for line in read_lines(path))
+    database = any(line.rstrip() in ("GENERAL", "ADDEDMASS", "FORCERAO") for line in read_lines(path))
     return (read_aqwa_ah1 if database else read_aqwa_lis)(path, body=body)
 
 
@@ -117,17 +118,16 @@ def read_aqwa_lis(path: str | Path, *, body: int | None = None) -> HydroCoeffici
 def _assemble(path, centre, heading, omega, force, **fields) -> HydroCoefficients:
     """Return the coefficients about the origin; the force (m, n, 6) is conjugated (lags) and its phase brought to the origin."""
     check_damping(path, fields["radiation_damping"], omega)
-    if force is not None:
-        angle = np.radians(heading)
-        k = wavenumber(omega, fields["depth"], fields["gravity"])
-        fields |= {"heading": angle, "excitation": phase_to_origin(force, angle, k, centre)}
-    return coefficients(path, point=centre, omega=omega, **fields)
+    angle = np.radians(heading)
+    k = wave_number(path, omega, fields["depth"], fields["gravity"])
+    force = phase_to_origin(force, angle, k, centre)
+    return coefficients(path, point=centre, omega=omega, heading=angle, excitation=force, **fields)
 
 
 def _sections(lines, first: int) -> tuple[dict[str, tuple[int, int]], int]:
     """Return {keyword: (first, last line)} of an .AH1 file, and where the first section begins."""
     marks = [k for k in range(first, len(lines)) if lines[k][:1].isalpha()]
-    out = {lines[k].strip().upper(): (k + 1, last) for k, last in zip(marks, [*marks[1:], len(lines)], strict=True)}
+    out = {lines[k].strip().upper(): (k + 1, last) for k, last in zip(marks, [*marks[1:], len(lines)], strict=False)}
     return out, marks[0] if marks else len(lines)
 
 
@@ -325,11 +325,11 @@ def _lis_statics(path, lines, own: Iterable[_Page]) -> dict:
             buoyancy = [re.search(rf"B{c}\s*=\s*{_NUMBER}", text) for c in "XYZ"]
             if volume is None or None in buoyancy:
                 raise FormatError(path, page.first, expected="MESH BASED DISPLACEMENT, BX, BY and BZ", found="fewer")
-            out["volume"] = float(volume.group(1))
-            out["centre_of_buoyancy"] = np.array([float(b.group(1)) for b in buoyancy])
+            out["volume"] = number_at(path, page.first, volume.group(1))
+            out["centre_of_buoyancy"] = np.array([number_at(path, page.first, b.group(1)) for b in buoyancy])
         match = re.search(rf"CENTRE OF GRAVITY\s+AT \(\s*{_NUMBER},\s*{_NUMBER},\s*{_NUMBER}\)", text)
         if page.kind == "parameters" and match:
-            out["centre"] = np.array([float(g) for g in match.groups()])
+            out["centre"] = np.array([number_at(path, page.first, g) for g in match.groups()])
             start = _after(lines, page, "STIFFNESS MATRIX")
             if start is not None:
                 out["hydrostatic_stiffness"], _ = _matrix(path, lines, start, page.last)
@@ -349,7 +349,7 @@ def _lis_matrices(path, lines, own, omega) -> dict:
             value = re.search(rf"WAVE FREQUENCY =\s*{_NUMBER}", lines[k])
             if not value or (page.kind == "parameters" and "WAVE PERIOD" not in lines[k]):
                 continue
-            frequency = float(value.group(1))
+            frequency = number_at(path, k + 1, value.group(1))
             start = _after(lines, page, "ADDED ", k)
             if page.kind == "parameters":
                 if start is None or (after := _after(lines, page, "DAMPING", k)) is None:
@@ -357,7 +357,7 @@ def _lis_matrices(path, lines, own, omega) -> dict:
                         path, k + 1, expected="added mass and damping", found="fewer", hint="Is the file complete?"
                     )
                 found[frequency] = _matrix(path, lines, start, page.last)[0], _matrix(path, lines, after, page.last)[0]
-            elif page.kind == "limits" and start is not None and "FORCES" not in lines[start]:
+            elif page.kind == "limits" and start is not None:
                 name = "added_mass_zero" if frequency < omega[0] else "added_mass_infinite"
                 out[name] = _matrix(path, lines, start, page.last)[0]
     given = np.array(list(found))
@@ -400,11 +400,11 @@ def _after(lines, page: _Page, text: str, first: int | None = None) -> int | Non
     return None
 
 
-def _lis_force(path, lines, own, heading, omega) -> np.ndarray | None:
+def _lis_force(path, lines, own, heading, omega) -> np.ndarray:
     """Return the sum of Froude-Krylov and diffraction force (m, n, 6), checked against the two when they are there."""
     total = _lis_table(path, lines, own, _TOTAL, heading, omega)
     if total is None:
-        return None
+        raise FormatError(path, expected=_TOTAL.capitalize(), found="none", hint="Is the file complete?")
     parts = [_lis_table(path, lines, own, title, heading, omega) for title in _PARTS]
     if all(p is not None for p in parts):
         scale = np.repeat(np.abs(total).reshape(-1, 2, 3).max(axis=(0, 2)), 3)

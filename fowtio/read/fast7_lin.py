@@ -14,6 +14,7 @@ import numpy as np
 
 from fowtio.errors import FormatError
 from fowtio.read.openfast_lin import state_dof
+from fowtio.read.registry import Format
 from fowtio.read.text import number, numbers, read_lines
 from model.system.linearisation import Linearisation
 
@@ -185,3 +186,21 @@ def _linearisation(path, model, names, title, speed, q) -> Linearisation:
         azimuth=float(np.radians(number(title[1]) - number(title[2]))) % (2 * np.pi), rotor_speed=speed, modules=("FAST v7",),
         source=str(path), jacobians=model["jacobians"],
     )  # fmt: skip
+
+
+def _recognises(path, head: bytes) -> bool:
+    return b"Order of linearized model, MdlOrder" in head
+
+
+def _describe(records: tuple[Linearisation, ...]) -> list[tuple[str, str]]:
+    first = records[0]
+    return [
+        ("azimuths", ", ".join(f"{np.degrees(r.azimuth):.4g}" for r in records) + " deg"),
+        ("order", "second: M, C, K and F are in the file" if first.jacobians else "first"),
+        ("degrees of freedom", ", ".join(first.state_dof[: len(first.state_dof) // 2])),
+        ("inputs, outputs", f"{len(first.input_names)}, {len(first.output_names)}"),
+        ("rotor speed", f"{first.rotor_speed:g} rad/s"),
+    ]
+
+
+FAST7_LIN = Format(name="FAST v7 linearisation (.lin)", recognises=_recognises, read=read_fast7_lin, describe=_describe)

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.text import number_rows
+from fowtio.read.text import number, number_rows
 from model.conventions import PLATFORM_DOFS, move_matrix, weight_stiffness
+from model.environment.airy import wavenumber
 from model.system.hydro import HydroCoefficients, transfer
 
 
@@ -35,7 +36,18 @@ def number_table(
         flat = np.array(list(chain.from_iterable(rows)))
     table = np.full((len(count), max(count)), np.nan)
     table[np.arange(table.shape[1]) < count[:, None]] = flat
+    check_size(path, table, where)
     return table, where
+
+
+def check_size(path, values: np.ndarray, lines=None) -> None:
+    """Raise FormatError for a number beyond 1e60, which no coefficient is: its exponent is corrupt."""
+    beyond = np.abs(values) > 1e60
+    if np.any(beyond):
+        at = int(np.argwhere(beyond)[0][0])
+        raise FormatError(
+            path, None if lines is None else lines[at], expected="numbers below 1e60", found=f"{values[beyond][0]:g}"
+        )
 
 
 def _plain_numbers(tokens: list[list[str]]) -> np.ndarray | None:
@@ -46,6 +58,21 @@ def _plain_numbers(tokens: list[list[str]]) -> np.ndarray | None:
     except ValueError:
         return None
     return values if np.all(np.isfinite(values)) and "_" not in "".join(flat) else None
+
+
+def number_at(path, line: int | None, text: str) -> float:
+    """Return the one number that a piece of a line (from 1) spells; raise FormatError."""
+    try:
+        return number(text.strip())
+    except ValueError as error:
+        raise FormatError(path, line, expected="a number", found=text, hint=str(error)) from None
+
+
+def wave_number(path, omega, depth: float, gravity: float) -> np.ndarray:
+    """Return the wavenumber [1/m] of linear waves; raise FormatError for a depth or gravity that is not positive."""
+    if not (depth > 0 and gravity > 0):
+        raise FormatError(path, expected="a positive water depth and gravity", found=f"{depth:g} m, {gravity:g} m/s2")
+    return wavenumber(omega, depth, gravity)
 
 
 def phase_to_origin(force: np.ndarray, heading, wavenumber, point) -> np.ndarray:
@@ -188,6 +215,8 @@ def coefficients(path, *, point=(0.0, 0.0, 0.0), **fields) -> HydroCoefficients:
     fields are those of HydroCoefficients; frequencies and headings may come in any order, excitation with them.
     """
     fields = {name: value for name, value in fields.items() if value is not None}
+    for value in fields.values():
+        check_size(path, np.atleast_1d(np.where(np.isinf(value), 0, value)))
     order = np.argsort(fields["omega"])
     for name in ("omega", "added_mass", "radiation_damping"):
         fields[name] = np.asarray(fields[name])[order]

@@ -14,6 +14,7 @@ import numpy as np
 
 from fowtio.errors import FormatError
 from fowtio.read.openfast_input import tokens
+from fowtio.read.registry import Format, head_lines
 from fowtio.read.text import number, read_lines
 from model.system.mooring import MooringSystem
 
@@ -183,3 +184,21 @@ def _number(path: Path, line: int, text: str) -> float:
         return number(text)
     except ValueError:
         raise FormatError(path, line, expected="a number", found=text) from None
+
+
+def _recognises(path, head: bytes) -> bool:
+    titles = [_title(line) for line in head_lines(head) if line.startswith("---")]
+    return "node properties" in titles and "line properties" in titles and b"numsegs" not in head.lower()
+
+
+def _describe(file: MapFile) -> list[tuple[str, str]]:
+    kinds = Counter(row[1].lower() for _, row in file.rows["nodes"])
+    return [
+        ("line types", ", ".join(row[0] for _, row in file.rows["dictionary"])),
+        ("nodes", ", ".join(f"{n} {kind}" for kind, n in kinds.items())),
+        ("lines", f"{len(file.rows['lines'])}, repeated at {', '.join(f'{a:g}' for a in file.repeat) or 'no'} deg (clockwise)"),
+        ("water", "depth, density and gravity come from the deck"),
+    ]  # fmt: skip
+
+
+MAP = Format(name="MAP++ input file", recognises=_recognises, read=read_map, describe=_describe)

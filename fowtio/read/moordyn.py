@@ -15,6 +15,7 @@ import numpy as np
 
 from fowtio.errors import FormatError
 from fowtio.read.openfast_input import tokens
+from fowtio.read.registry import Format, head_lines
 from fowtio.read.text import number, read_lines
 from model.system.mooring import MooringSystem
 
@@ -320,3 +321,23 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def _recognises(path, head: bytes) -> bool:
+    titles = {" ".join(line.strip("- \t").lower().split()) for line in head_lines(head) if line.strip().startswith("---")}
+    found = {_SECTIONS[t] for t in titles if t in _SECTIONS}
+    return {"types", "points", "lines"} <= found and b"numsegs" in head.lower()
+
+
+def _describe(file: MoorDynFile) -> list[tuple[str, str]]:
+    kinds = Counter(row[1] for _, row in file.rows["points"])
+    return [
+        ("version", "1" if "fx" in file.columns["points"] or "nodeanch" in file.columns["lines"] else "2"),
+        ("line types", ", ".join(row[0] for _, row in file.rows["types"])),
+        ("points", ", ".join(f"{n} {kind}" for kind, n in kinds.items())),
+        ("lines", str(len(file.rows["lines"]))),
+        ("options", ", ".join(f"{name} {text}" for name, (_, text) in file.options.items()) or "none"),
+    ]
+
+
+MOORDYN = Format(name="MoorDyn input file", recognises=_recognises, read=read_moordyn, describe=_describe)

@@ -17,13 +17,14 @@ from fowtio.read.hydro_common import (
     check_damping,
     coefficients,
     describe_hydro,
+    number_at,
     number_table,
     phase_to_origin,
     stiffness_about,
+    wave_number,
 )
 from fowtio.read.registry import Format
 from fowtio.read.text import numbers, read_lines
-from model.environment.airy import wavenumber
 from model.system.hydro import HydroCoefficients
 
 _UNITS = {"rad/s": lambda w: w, "Hz": lambda f: 2 * np.pi * f, "(s)": lambda t: 2 * np.pi / t}
@@ -97,7 +98,7 @@ class _Cal:
                 values += numbers(token)
             except ValueError:
                 break
-        if "!" in text and len(tokens) != len(values) or not counts[0] <= len(values):
+        if ("!" in text and len(tokens) != len(values)) or not counts[0] <= len(values):
             raise FormatError(self.path, self.at, expected=f"{what} ({counts[0]} numbers)", found=text)
         return values[: counts[-1]]
 
@@ -239,7 +240,7 @@ def _force(path: Path, case: dict, place: int) -> tuple[np.ndarray, np.ndarray, 
     found = [_BETA.search(t) for t in titles]
     if None in found:
         raise FormatError(path, expected="'beta =' in the title of every zone", found=titles[found.index(None)])
-    heading = np.array([numbers(f.group(1))[0] for f in found])
+    heading = np.array([number_at(path, None, f.group(1)) for f in found])
     polar = values.reshape(len(titles), len(omega), forces, 2)[:, :, _own(case, place, "forces")]
     if np.any(np.abs(polar[..., 1]) > 2 * np.pi + 1e-3):
         raise FormatError(path, expected="phases in radians", found=f"{np.abs(polar[..., 1]).max():g}")
@@ -264,7 +265,7 @@ def _excitation(path: Path, results: Path, case: dict, place: int, omega: np.nda
                 hint="One of the three files is corrupt or of another run",
             )  # fmt: skip
     angle = np.radians(heading)
-    k = wavenumber(omega, case["depth"], case["gravity"])
+    k = wave_number(path, omega, case["depth"], case["gravity"])
     return {"heading": angle, "excitation": phase_to_origin(np.conj(force), angle, k, case["wave_point"])}
 
 
@@ -304,7 +305,7 @@ def _summary(path: Path) -> dict:
         match = re.search(label + number, text)
         if match is None:
             raise FormatError(path, expected=f"'{label} = ' with a number", found="none", hint="Is the file complete?")
-        found[label] = numbers(match.group(1))[0]
+        found[label] = number_at(path, None, match.group(1))
     return {
         "volume": found["Displacement"],
         "centre_of_buoyancy": np.array([found[c + "F"] for c in "XYZ"]),

@@ -13,13 +13,15 @@ from fowtio.read.hydrodyn import HydroDyn, ballast, read_hydrodyn
 from fowtio.read.inflowwind import InflowWind, read_inflowwind
 from fowtio.read.map import map_mooring, read_map
 from fowtio.read.moordyn import moordyn_mooring, read_moordyn
-from fowtio.read.openfast_input import InputFile, read_input
+from fowtio.read.openfast_input import InputFile, names_in, read_input
+from fowtio.read.registry import Format
 from fowtio.read.seastate import DeckSea, deck_sea
 from fowtio.read.wamit import read_wamit
 from model.system.hydro import HydroCoefficients
 from model.system.mooring import MooringSystem
 from model.system.turbine import RigidBody
 
+STANDARD_GRAVITY = 9.80665  # m/s2; for an ElastoDyn file read without its primary file
 _MODULES = {
     "NRotors": ({}, {1}), "CompElast": ({3: "simplified ElastoDyn"}, {1, 2}), "CompSub": ({1: "SubDyn", 2: "ExtPtfm"}, {0}),
     "CompHydro": ({}, {0, 1}), "CompIce": ({1: "IceFloe", 2: "IceDyn"}, {0}), "MHK": ({1: "fixed", 2: "floating"}, {0}),
@@ -202,3 +204,71 @@ def _refuse(primary: InputFile, name: str, known: dict, allow: set) -> None:
             primary.path, primary.line(name), expected=f"{name} in {sorted(allow)}", found=f"{value} ({known.get(value, 'unknown')})",
             hint="fowtio models a rigid floater with the turbine that ElastoDyn describes",
         )  # fmt: skip
+
+
+# --- formats ------------------------------------------------------------------------------------------------------------
+
+
+def _with(*names: str):
+    """Return a function that tells an input file by names it must give."""
+    return lambda path, head: {n.lower() for n in names} <= names_in(head)
+
+
+def _describe_deck(deck: Deck) -> list[tuple[str, str]]:
+    sea = deck.sea.sea if deck.sea else None
+    wave = "none" if sea is None else f"{sea.kind}, Hs {sea.significant_height}, Tp {sea.peak_period}"
+    return [
+        ("title", deck.title),
+        ("environment", f"gravity {deck.gravity:g} m/s2, air {deck.air_density:g} kg/m3, water {deck.density:g} kg/m3, depth {deck.depth:g} m"),
+        *_describe_elastodyn(deck.elastodyn),
+        *(_describe_hydrodyn(deck.hydrodyn) if deck.hydrodyn else [("hydrodynamics", "none")]),
+        ("sea", wave),
+        ("wind", f"{deck.inflow.kind}, {deck.inflow.speed} m/s" if deck.inflow else "none"),
+        ("moorings", f"{len(deck.mooring.line_names)} lines ({deck.mooring_path.name})" if deck.mooring else "none"),
+        ("files", ", ".join(f.name for f in deck.files)),
+        *(("simplified", note) for note in deck.notes),
+    ]  # fmt: skip
+
+
+def _describe_elastodyn(deck: ElastoDyn) -> list[tuple[str, str]]:
+    s = deck.structure
+    return [
+        ("degrees of freedom", ", ".join(deck.dofs) or "none"),
+        ("tower", f"{s.tower.base_height:g} to {s.tower.top_height:g} m, hub at {s.hub_height:.4g} m"),
+        ("rotor", f"{s.rotor.blades} blades, diameter {s.rotor.diameter:.4g} m"),
+        ("platform", f"{s.platform.mass:.6g} kg, centre ({', '.join(f'{v:g}' for v in s.platform.centre)}) m"),
+    ]
+
+
+def _describe_hydrodyn(deck: HydroDyn) -> list[tuple[str, str]]:
+    return [
+        ("potential flow", f"{deck.coefficients.name}, length {deck.length_scale:g} m, volume {deck.volume:g} m3" if deck.potential_flow else "none"),
+        ("members", f"{len(deck.members.names)}, end plates {len(deck.members.plate_coefficient)}, filled {sum(len(f.members) for f in deck.fillings)}"),
+        ("added matrices", ", ".join(n for n in ("preload", "stiffness", "damping", "quadratic_damping") if np.any(getattr(deck, n))) or "none"),
+    ]  # fmt: skip
+
+
+def _describe_sea(sea: DeckSea) -> list[tuple[str, str]]:
+    s = sea.sea
+    kind = f"WaveMod {sea.wave_model}" + (", not modelled" if s is None else f", {s.kind}, Hs {s.significant_height}, Tp {s.peak_period}")
+    return [("sea", kind), ("current", "yes, not modelled" if sea.current else "none"), ("depth", f"{sea.depth} m" if sea.depth else "of the primary file")]
+
+
+def _describe_inflow(wind: InflowWind) -> list[tuple[str, str]]:
+    return [("wind", wind.kind), ("speed", f"{wind.speed:g} m/s" if wind.speed is not None else "in its files"), ("direction", f"{wind.direction:g} deg")]
+
+
+OPENFAST_DECK = Format(
+    name="OpenFAST deck (.fst)", recognises=_with("EDFile", "CompElast"), read=read_deck, describe=_describe_deck
+)  # fmt: skip
+ELASTODYN = Format(
+    name="ElastoDyn input file", recognises=_with("TwrFile", "PtfmMass"), read=lambda path: read_elastodyn(path, STANDARD_GRAVITY),
+    describe=_describe_elastodyn,
+)  # fmt: skip
+HYDRODYN = Format(name="HydroDyn input file", recognises=_with("NJoints", "NMembers"), read=read_hydrodyn, describe=_describe_hydrodyn)
+SEASTATE = Format(
+    name="SeaState input file", recognises=_with("WaveMod", "WaveHs"), read=lambda path: deck_sea(read_input(path)), describe=_describe_sea
+)  # fmt: skip
+INFLOWWIND = Format(
+    name="InflowWind input file", recognises=_with("WindType", "HWindSpeed"), read=read_inflowwind, describe=_describe_inflow
+)  # fmt: skip

@@ -13,12 +13,14 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
+from fowtio.read.registry import Format, head_lines
 from fowtio.read.text import number, numbers, read_lines
 
 _TOKEN = re.compile(r'"[^"]*"|\'[^\']*\'|[^\s,]+')
 _NAME = re.compile(r"[A-Za-z_][\w]*(\([\w, ]+\))?%?")
 _OVERFLOW = re.compile(r"\*+\s+[A-Za-z_][\w()]*\s+-\s")  # a value of stars, as Fortran writes one too long for its field
 _TRUE, _FALSE = {"true", "t", ".true."}, {"false", "f", ".false."}
+_NAMED = re.compile(r"""\s*(?:"[^"]*"|'[^']*'|\S+)\s+([A-Za-z_][\w()]*)\s+-""")
 _MISSING = object()
 
 
@@ -303,3 +305,19 @@ def _flag(text: str) -> bool:
     if text.lower() not in _TRUE | _FALSE:
         raise ValueError(text)
     return text.lower() in _TRUE
+
+
+def names_in(head: bytes) -> set[str]:
+    """Return the lower-case names that `value  Name - description` lines of a file's beginning give values to."""
+    found = (_NAMED.match(line) for line in head_lines(head))
+    return {match[1].lower() for match in found if match}
+
+
+def _describe(source: InputFile) -> list[tuple[str, str]]:
+    given = [name for _, values, name in source.entries.values() if values]
+    return [("title", source.lines[1].strip() if len(source.lines) > 1 else ""), ("names", ", ".join(given[:20]))]
+
+
+OPENFAST_INPUT = Format(
+    name="OpenFAST-style input file", recognises=lambda path, head: len(names_in(head)) >= 5, read=read_input, describe=_describe
+)  # fmt: skip

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
+from fowtio.read.registry import Format, head_lines
 from fowtio.read.text import number, number_table, numbers, read_lines
 from model.system.linearisation import Linearisation
 
@@ -214,3 +215,22 @@ def _matrix(path: Path, block: list[str], first: int, shape: tuple[int, int], na
     if len(table) != shape[0]:
         raise FormatError(path, first + len(table), expected=what, found="end of file", hint="Is the file complete?")
     return table
+
+
+def _recognises(path, head: bytes) -> bool:
+    return any(line.strip().startswith("Linearized model:") for line in head_lines(head)[:5])
+
+
+def _describe(lin: Linearisation) -> list[tuple[str, str]]:
+    first = int(np.sum(lin.state_order == 1))
+    more = ", ".join(f"{name} {m.shape[0]} x {m.shape[1]}" for name, m in lin.jacobians.items())
+    return [
+        ("modules", ", ".join(lin.modules) or "not said"),
+        ("states", f"{len(lin.state_names)}, {first} of first order; degrees of freedom {', '.join(dict.fromkeys(d for d in lin.state_dof if d)) or 'none known'}"),
+        ("inputs, outputs", f"{len(lin.input_names)}, {len(lin.output_names)}"),
+        ("operating point", f"wind {lin.wind_speed:g} m/s, rotor {lin.rotor_speed:g} rad/s, azimuth {np.degrees(lin.azimuth):.4g} deg"),
+        ("other matrices", more or "none"),
+    ]  # fmt: skip
+
+
+OPENFAST_LIN = Format(name="OpenFAST linearisation (.lin)", recognises=_recognises, read=read_openfast_lin, describe=_describe)

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
+from fowtio.read.registry import Format, head_lines
 from fowtio.read.text import number_table, numbers, read_bytes, read_lines
 
 _WITH_TIME, _WITHOUT_TIME, _UNCOMPRESSED, _LONG_NAMES = 1, 2, 3, 4
@@ -177,3 +178,30 @@ def _series(path, time, data, names, units, description) -> TimeSeries:
     return TimeSeries(
         time=time, data=data, names=tuple(names), units=tuple(units), description=description, source=str(path)
     )
+
+
+def _recognises(path, head: bytes) -> bool:
+    if is_outb(head):
+        at = 4 if head[:2] == b"\x04\x00" else 2
+        channels, steps = struct.unpack_from("<ii", head, at) if len(head) >= at + 8 else (0, 0)
+        return 0 < channels < 100_000 and steps > 0
+    lines = head_lines(head)
+    at = next((i for i, line in enumerate(lines[:50]) if line.split()[:1] and line.split()[0].lower() == "time"), None)
+    if at is None or at + 1 >= len(lines) or len(_columns(lines[at])) < 2:
+        return False
+    units = _columns(lines[at + 1])
+    return len(units) == len(_columns(lines[at])) and units[0].strip("()[]").lower() in ("s", "sec")
+
+
+def _describe(series: TimeSeries) -> list[tuple[str, str]]:
+    step = float(np.median(np.diff(series.time))) if len(series.time) > 1 else 0.0
+    names = ", ".join(f"{n} ({u})" if u else n for n, u in zip(series.names[:8], series.units, strict=False))
+    rows = [
+        ("time", f"{series.time[0]:g} to {series.time[-1]:g} s, {len(series.time)} steps of {step:g} s"),
+        ("channels", f"{len(series.names)}: {names}" + (", ..." if len(series.names) > 8 else "")),
+        ("description", series.description or "none"),
+    ]
+    return rows + ([("behind the last step", f"{series.trailing_bytes} bytes")] if series.trailing_bytes else [])
+
+
+OPENFAST_OUT = Format(name="OpenFAST time series (.outb, .out)", recognises=_recognises, read=read_openfast_out, describe=_describe)

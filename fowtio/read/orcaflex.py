@@ -14,11 +14,17 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.hydro_common import check_damping, choose_body, coefficients, describe_hydro, phase_to_origin
+from fowtio.read.hydro_common import (
+    check_damping,
+    choose_body,
+    coefficients,
+    describe_hydro,
+    phase_to_origin,
+    wave_number,
+)
 from fowtio.read.registry import Format
 from fowtio.read.text import number, read_lines
 from model.conventions import move_force, weight_stiffness
-from model.environment.airy import wavenumber
 from model.system.hydro import HydroCoefficients
 
 GRAVITY = 9.80665
@@ -34,11 +40,12 @@ _KEY = re.compile(r"([^\s#:\[-][^:#]*?)\s*:(?:\s+(.*))?$")
 
 
 def read_orcaflex(
-    path: str | Path, *, body: str | int | None = None, draught: str | int | None = None
+    path: str | Path, *, body: str | int | None = None, draught: str | int | None = None, depth: float | None = None
 ) -> HydroCoefficients:
     """Return the coefficients of a vessel type of an OrcaFlex text file, about the vessel's origin, crest there.
 
-    body names the vessel type (or its number from 1) and draught its draught, where there are several. Raises
+    body names the vessel type (or its number from 1) and draught its draught, where there are several. depth [m] of the
+    diffraction run, where it is not that of the file's Environment (the vessel type does not keep it). Raises
     FormatError, also for units other than SI and for constant added mass.
     """
     path = Path(path)
@@ -53,13 +60,13 @@ def read_orcaflex(
     draughts = _get(path, vessel, "Draughts")
     own = draughts[choose_body(path, draught, [d.get("Name") for d in draughts], "draught")]
     density = _KILO * _number(path, _get(path, tree, "Environment", "Density"))
-    depth = _number(path, _get(path, tree, "Environment", "WaterDepth"))
+    depth = _number(path, _get(path, tree, "Environment", "WaterDepth")) if depth is None else depth
     to_omega = _frequency(path, vessel)
-    point = np.array([_number(path, v) for v in _get(path, own, "ReferenceOrigin")])
+    point = _point(path, own, "ReferenceOrigin")
     radiation = _radiation(path, own, to_omega, _get(path, vessel, "WavesReferredToBy").startswith("period"))
     check_damping(path, radiation["radiation_damping"], radiation["omega"])
     volume = _number(path, _get(path, own, "DisplacedVolume"))
-    buoyancy = np.array([_number(path, v) for v in _get(path, own, "CentreOfBuoyancy")])
+    buoyancy = _point(path, own, "CentreOfBuoyancy")
     stiffness = _stiffness(path, own, point, density * GRAVITY * volume, buoyancy)
     force = _load_raos(path, vessel, own, to_omega, radiation["omega"], depth, point)
     return coefficients(
@@ -179,12 +186,22 @@ def _get(path: Path, tree, *keys: str):
 
 
 def _number(path: Path, text) -> float:
-    if str(text) == "Infinity":
-        return np.inf
+    if isinstance(text, float) or str(text) == "Infinity":
+        return float(str(text).replace("Infinity", "inf"))
     try:
         return number(text)
     except (ValueError, AttributeError, TypeError):
         raise FormatError(path, expected="a number", found=str(text)) from None
+
+
+def _point(path: Path, tree, key: str, otherwise=None) -> np.ndarray:
+    """Return the point (3) [m] under a key; '~' stands for the coordinate of `otherwise` where that is given."""
+    values = _get(path, tree, key)
+    if not isinstance(values, list) or len(values) != 3:
+        raise FormatError(path, expected=f"three coordinates under {key}", found=str(values))
+    if otherwise is not None:
+        values = [o if v == "~" else v for v, o in zip(values, otherwise, strict=True)]
+    return np.array([_number(path, v) for v in values])
 
 
 def _matrix(path: Path, tree, key: str, shape: tuple[int | None, int]) -> np.ndarray:
@@ -247,7 +264,7 @@ def _stiffness(path: Path, own: dict, point, lift: float, buoyancy) -> np.ndarra
     key = "HydrostaticStiffnessz, HydrostaticStiffnessRx, HydrostaticStiffnessRy"
     matrix[2:5, 2:5] = _KILO * _matrix(path, own, key, (3, 3))
     mass = _KILO * _number(path, _get(path, own, "Mass"))
-    centre = np.array([_number(path, v) for v in _get(path, own, "CentreOfMass")])
+    centre = _point(path, own, "CentreOfMass")
     matrix[2:5, 2:5] -= weight_stiffness(mass, centre - point, GRAVITY)[2:5, 2:5]
     matrix[3:5, 5] = weight_stiffness(-lift, buoyancy - point, 1.0)[3:5, 5]
     return matrix
@@ -260,8 +277,8 @@ def _load_raos(path: Path, vessel: dict, own: dict, to_omega, omega, depth: floa
     if not tables:
         return {}
     names = ", ".join(["RAOPeriodOrFrequency", *(f"RAO{m}{part}" for m in _MODES for part in ("Amp", "Phase"))])
-    origin = np.array([_number(path, v) for v in _get(path, raos, "RAOOrigin")])
-    phase_origin = [origin[k] if v == "~" else _number(path, v) for k, v in enumerate(_get(path, raos, "PhaseOrigin"))]
+    origin = _point(path, raos, "RAOOrigin")
+    phase_origin = _point(path, raos, "PhaseOrigin", origin)
     heading, force = [], []
     for table in tables:
         heading.append(_number(path, _get(path, table, "RAODirection")))
@@ -279,7 +296,7 @@ def _load_raos(path: Path, vessel: dict, own: dict, to_omega, omega, depth: floa
     excitation = move_force(np.array(force), point - origin)
     return {
         "heading": angle,
-        "excitation": phase_to_origin(excitation, angle, wavenumber(omega, depth, GRAVITY), phase_origin),
+        "excitation": phase_to_origin(excitation, angle, wave_number(path, omega, depth, GRAVITY), phase_origin),
     }
 
 

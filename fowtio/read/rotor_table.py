@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
+from fowtio.read.registry import Format, span
 from fowtio.read.text import number_table, numbers, read_lines
 from model.conventions import freeze
 
@@ -20,7 +21,7 @@ _TITLES = {
     "pitch": "pitch angle vector", "tip_speed_ratio": "tsr vector", "wind_speed": "wind speed vector", "power": "power coefficient",
     "thrust": "thrust coefficient", "torque": "torque coefficient",
 }  # fmt: skip
-_IDENTITY = 0.02  # part of the largest power coefficient by which Cp and TSR Cq may differ
+_IDENTITY = (0.01, 2e-3)  # Cp and TSR Cq may differ by this part and this amount: files in use differ by 0.1 % and rounding
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,8 +69,8 @@ def _blocks(path: Path) -> dict[str, tuple[int, str, list[tuple[int, str]]]]:
             name = next((n for n, text in _TITLES.items() if title.startswith(text)), None)
             if name in out:
                 raise FormatError(path, i, expected=f"'{_TITLES[name]}' once", found=line)
+            lines = [] if name else None
             if name:
-                lines = []
                 out[name] = (i, title, lines)
         elif line.strip():
             if lines is None:
@@ -119,9 +120,28 @@ def _check_identity(path: Path, blocks: dict, ratio: np.ndarray, tables: dict) -
     """Refuse tables in which the power coefficient is not the tip speed ratio times the torque coefficient."""
     other = ratio[:, None] * tables["torque"]
     gap = np.abs(tables["power"] - other)
-    wrong = gap > _IDENTITY * np.maximum(np.abs(tables["power"]).max(), 0.1)
+    wrong = gap > _IDENTITY[0] * np.abs(tables["power"]) + _IDENTITY[1]
     if np.any(wrong):
         w, t, p = np.argwhere(wrong)[0]
         line = blocks["power"][2][w * len(ratio) + t][0]
         found = f"{tables['power'][w, t, p]:g} against {other[w, t, p]:g} in column {p + 1}"
         raise FormatError(path, line, expected="a power coefficient equal to tip speed ratio times torque coefficient", found=found)
+
+
+def _recognises(path, head: bytes) -> bool:
+    low = head.lower()
+    return b"pitch angle vector" in low and b"tsr vector" in low
+
+
+def _describe(table: RotorTable) -> list[tuple[str, str]]:
+    w, t, p = np.unravel_index(np.argmax(table.power), table.power.shape)
+    best = f"{table.power[w, t, p]:.4g} at tip speed ratio {table.tip_speed_ratio[t]:g}, pitch {np.degrees(table.pitch[p]):g} deg"
+    return [
+        ("blade pitch", f"{len(table.pitch)}, {span(table.pitch, 'deg', 180 / np.pi)}"),
+        ("tip speed ratio", f"{len(table.tip_speed_ratio)}, {span(table.tip_speed_ratio, '')}"),
+        ("wind speed", span(table.wind_speed, "m/s")),
+        ("largest power coefficient", best),
+    ]
+
+
+ROTOR_TABLE = Format(name="Rotor performance table (ROSCO)", recognises=_recognises, read=read_rotor_table, describe=_describe)

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError, ModelError
+from fowtio.read.registry import Format, span
 from fowtio.read.text import read_bytes
 from model.conventions import freeze
 
@@ -134,3 +135,18 @@ def _bracket(field: WindField, axis: np.ndarray, value: np.ndarray, name: str) -
     low = np.clip(np.searchsorted(axis, value, side="right") - 1, 0, len(axis) - 2)
     share = np.clip((value - axis[low]) / (axis[low + 1] - axis[low]), 0, 1)
     return [(low, 1 - share), (low + 1, share)]
+
+
+def _describe(field: WindField) -> list[tuple[str, str]]:
+    hub = hub_wind(field)
+    return [
+        ("time", f"{span(field.time, 's')}, {len(field.time)} steps" + (", periodic" if field.periodic else "")),
+        ("grid", f"{len(field.y)} x {len(field.z)} points, y {span(field.y, 'm')}, z {span(field.z, 'm')}"),
+        ("hub", f"{field.hub_height:g} m; mean {hub[:, 0].mean():.4g} m/s, standard deviation {hub[:, 0].std():.4g} m/s"),
+        ("description", field.description or "none"),
+    ]
+
+
+TURBSIM = Format(
+    name="TurbSim wind field (.bts)", recognises=lambda path, head: is_turbsim(head), read=read_turbsim, describe=_describe
+)  # fmt: skip

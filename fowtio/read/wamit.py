@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.hydro_common import check_damping, check_limits, check_mirror, describe_hydro, number_table, without_weight
+from fowtio.read.hydro_common import check_damping, coefficients, describe_hydro, number_table, without_weight
 from fowtio.read.registry import Format
 from fowtio.read.text import read_lines
 from model.system.hydro import HydroCoefficients
@@ -152,7 +152,7 @@ def read_wamit(
         if weight is not None:
             stiffness = without_weight(stiffness, weight[0], weight[1], np.zeros(3), gravity)
         out["hydrostatic_stiffness"] = stiffness
-    return HydroCoefficients(**out, density=density, gravity=gravity, depth=depth)
+    return coefficients(_member(stem, ".1"), **out, density=density, gravity=gravity, depth=depth)
 
 
 def dimensional_radiation(path, radiation: WamitRadiation, length: float, density: float) -> dict:
@@ -171,10 +171,7 @@ def dimensional_radiation(path, radiation: WamitRadiation, length: float, densit
         "added_mass_zero": _at(added, radiation.period < 0),
         "added_mass_infinite": _at(added, radiation.period == 0),
     }
-    check_limits(path, out["added_mass"], out["added_mass_zero"], out["added_mass_infinite"])
     check_damping(path, out["radiation_damping"], out["omega"])
-    check_mirror(path, out["added_mass"], out["omega"], "added mass")
-    check_mirror(path, out["radiation_damping"], out["omega"], "damping")
     return out
 
 

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.hydro_common import describe_hydro, number_table, without_weight
+from fowtio.read.hydro_common import coefficients, describe_hydro, number_at, number_table, without_weight
 from fowtio.read.registry import Format
-from fowtio.read.text import number, numbers, read_lines
+from fowtio.read.text import numbers, read_lines
 from fowtio.read.wamit import (
     WamitExcitation,
     WamitRadiation,
@@ -34,7 +34,7 @@ _NUMBER = r"([-+]?\d[\d.]*(?:[EeDd][-+]?\d+)?)"
 def read_wamit_out(
     path: str | Path, *, density: float = 1025.0, body: int | None = None, excitation: str = "diffraction"
 ) -> HydroCoefficients:
-    """Return the coefficients of a WAMIT .out file, dimensional, about the body's own origin.
+    """Return the coefficients of a WAMIT .out file, dimensional, about the origin.
 
     density [kg/m3]; body (from 1) of a run with several; excitation "diffraction" or "haskind" (the other one is taken
     when the run has only that). Raises FormatError, also for a body turned against the global axes.
@@ -51,9 +51,9 @@ def read_wamit_out(
     origin = head["bodies"][place]["origin"]
     if data is not None:
         out |= dimensional_excitation(path, data, out["omega"], length, density * gravity)
-    return HydroCoefficients(
-        **out, **_hydrostatics(head["bodies"][place], length, density, gravity),
-        reference_point=origin, density=density, gravity=gravity, depth=head["depth"],
+    return coefficients(
+        path, point=origin, **out, **_hydrostatics(head["bodies"][place], length, density, gravity),
+        density=density, gravity=gravity, depth=head["depth"],
     )  # fmt: skip
 
 
@@ -64,9 +64,9 @@ def _head(path, lines) -> dict:
         if line.lstrip().startswith("Wave period"):
             break
         if match := re.search(rf"Gravity:\s+{_NUMBER}\s+Length scale:\s+{_NUMBER}", line):
-            head["gravity"], head["length"] = (number(g) for g in match.groups())
+            head["gravity"], head["length"] = (number_at(path, k + 1, g) for g in match.groups())
         elif "Water depth:" in line:
-            text = line.split("Water depth:")[1].split()[0]
+            text = (line.split("Water depth:")[1].split() or [""])[0]
             head["depth"] = np.inf if text.lower().startswith("inf") else _value(path, k, text)
         elif "XBODY =" in line:
             values = [_value(path, k, v) for v in re.findall(r"=\s*([-+\d.EeDd]+)", line)]
@@ -133,7 +133,10 @@ def _blocks(path, lines) -> list[tuple[float, int, int]]:
     announced = sum(bool(_SOLVED.match(line)) for line in lines[: starts[0]])
     if announced > len(starts):
         raise FormatError(
-            path, expected=f"{announced} periods, as the head announces", found=f"{len(starts)}", hint="Is the file complete?"
+            path,
+            expected=f"{announced} periods, as the head announces",
+            found=f"{len(starts)}",
+            hint="Is the file complete?",
         )
     names = {"infinite": -1.0, "zero": 0.0}
     out = []

@@ -268,7 +268,7 @@ def _notes(model, loads) -> Table:
         (
             "Units",
             "Rotations in deg, forces in kN, moments in MN m; matrices in SI. Phases in deg, of Re{X e^(+i omega t)}: "
-            "positive is ahead of the wave crest. Transfer functions of the main heading; the netCDF file has all headings.",
+            "positive is ahead of the wave crest. Transfer functions of the main heading; the netCDF file has all.",
         )
     ]
     return Table(name="notes", title="Notes", columns=(Column(name="Subject"), Column(name="Text")), rows=tuple(rows))

@@ -22,9 +22,10 @@ from model.system.hydro import infinite_added_mass
 from model.system.mooring import line_profiles
 
 CONVENTIONS = (
-    "SI units, radians, rad/s. Complex amplitudes X in Re{X e^(+i omega t)}; phase 0 is a crest at the origin. Origin on "
-    "the tower axis at still water, x downwind, z up; wave heading is the direction of propagation, counter-clockwise "
-    "from +x. Spectra are one-sided, per rad/s. Channel names are those of OpenFAST; in SI units, so rotations in rad."
+    "SI units, radians, rad/s. Complex amplitudes X in Re{X e^(+i omega t)}; phase 0 is a crest at the origin. "
+    "Origin on the tower axis at still water, x downwind, z up; wave heading is the direction of propagation, "
+    "counter-clockwise from +x. Spectra are one-sided, per rad/s. Channel names are those of OpenFAST; in SI units, "
+    "so rotations in rad."
 )
 _PHASE = "Re{X e^(+i omega t)}"
 _MATRIX_UNITS = "SI (N, m, rad) of row and column"

@@ -179,7 +179,8 @@ def _rao_section(pictures) -> Section:
 
 
 def _state_section(item, pictures) -> Section:
-    words = f"<p>{_escaped(state_label(item.state))}. Drag converged in {item.response.iterations} iterations.</p>"
+    drag = f" Drag converged in {item.response.iterations} iterations." if item.response.iterations else ""
+    words = f"<p>{_escaped(state_label(item.state))}.{drag}</p>"
     own = tuple(p for p in pictures if p.group == spectra_group(item))
     return Section(
         title=f"Responses and loads: {item.state.name}", content=(words, tables.state_statistics(item), *own)

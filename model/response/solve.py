@@ -12,10 +12,21 @@ from model.environment.rotor_wind import RotorSensitivity, rotor_spectra
 from model.environment.sea import SeaState, directional_spectrum, wave_kinematics, wave_spectrum, wavenumber
 from model.environment.wind import WindState, inflow_spectrum
 from model.response.assemble import Equilibrium, System
-from model.system.drag import borgman_coefficients, element_motion, linear_drag, resisted_directions
+from model.response.drag_iteration import (
+    MODELS,
+    DragProblem,
+    Linearised,
+    at_rest,
+    change,
+    coefficients,
+    damping_and_force,
+    drag_problem,
+    mixed,
+)
+from model.system.drag import resisted_directions
 from model.system.hydro import excitation_at, radiation_at
 
-DRAG_MODELS = ("relative", "body", "none")
+DRAG_MODELS = MODELS
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -137,12 +148,10 @@ def solve(
     """Return the response of the model about its mean offset.
 
     Drag is linearised for the Gaussian relative velocity between water and body ("relative"), the body's own
-    velocity ("body", as the source thesis), or left out ("none"), and iterated until no element's coefficient changes
-    by more than `tolerance` of the largest. grid comes from `prepare`, with default settings when it is not given.
+    velocity at every element ("body") or one for all strips and one for all end plates ("global", as the source
+    thesis), or left out ("none"), and iterated until no element's coefficient changes by more than `tolerance` of the largest. grid comes from `prepare`, with default settings when it is not given.
     Raises ValueError for an unknown drag model.
     """
-    if drag not in DRAG_MODELS:
-        raise ValueError(f"drag model {drag!r} is none of {', '.join(DRAG_MODELS)}")
     omega = drive.omega
     grid = grid or prepare(system, omega, drive.heading)
     here = system.platform
@@ -153,22 +162,12 @@ def solve(
     force = np.zeros((n, q, m + winds), dtype=complex)
     force[:, here, :m] = np.moveaxis(grid.wave_force[..., rows], 0, -1)
     force[:, :, m:] = np.vstack([system.wind_force, system.gradient_force])[:winds].T
-    linear = _Drag(system, drive, grid, drag, here, rows)
+    problem = _problem(system, drive, grid, drag, rows)
     damping, iterations, converged = np.zeros((6, 6)), 0, True
-    solution = None
-    if linear.active:
-        coefficients = linear.start(dynamic, force)
-        converged = False
-        for iterations in range(1, limit + 1):
-            damping, wave_force = linear.evaluate(coefficients)
-            solution = _solve(dynamic, damping, force, wave_force, omega, here, rows)
-            new = linear.coefficients(solution)
-            change = np.abs(new - coefficients).max() / max(np.abs(new).max(), 1e-300)
-            coefficients = linear.accelerate(coefficients, new)
-            if change < tolerance:
-                converged = True
-                break
-    if solution is None:
+    if problem.active:
+        solution, damping, iterations, worst = iterate(problem, dynamic, force[None], here, tolerance=tolerance, limit=limit)
+        solution, damping, converged = solution[0], damping[0], bool(worst[0] < tolerance)
+    else:
         solution = np.linalg.solve(dynamic, force)
     full = dynamic.copy()
     full[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * damping[np.ix_(rows, rows)]
@@ -177,6 +176,53 @@ def solve(
         dofs=system.dofs, to_wave=np.moveaxis(solution[:, :, :m], -1, 0), to_wind=solution[:, :, m], to_gradients=gradients, excitation=drive,
         offset=mean.offset, drag_damping=damping, iterations=iterations, converged=converged, dynamic_stiffness=full,
     )  # fmt: skip
+
+
+def iterate(
+    problem: DragProblem, dynamic, force, here, *, tolerance: float, limit: int, start: Linearised | None = None, solve_linear=None
+) -> tuple[np.ndarray, np.ndarray, int, np.ndarray]:
+    """Return motions (s, n, q, r), drag damping (s, 6, 6), iterations, and the last change (s) of the drag coefficients.
+
+    dynamic (n, q, q) without drag; force (s or 1, n, q, r) of the waves at every heading and the wind inputs; start are
+    coefficients to begin with, by default those of a body at rest; solve_linear replaces `solve_with_drag`.
+    """
+    solve_linear = solve_linear or solve_with_drag
+    linear = start or at_rest(problem)
+    if linear is None:
+        undamped = np.linalg.solve(dynamic, force)
+        linear = coefficients(problem, np.broadcast_to(undamped, (len(problem.wave_weight), *force.shape[1:])), here)
+    history: list = []
+    for step in range(1, limit + 1):
+        damping, wave_force = damping_and_force(problem, linear)
+        solution = solve_linear(problem, dynamic, damping, force, wave_force, here)
+        new = coefficients(problem, solution, here)
+        worst = change(linear, new)
+        if worst.max() < tolerance:
+            break
+        history = [*history[-1:], (linear, new)]
+        linear = mixed(history)
+    return solution, damping, step, worst
+
+
+def _problem(system: System, drive: Excitation, grid: Grid, drag: str, rows) -> DragProblem:
+    """Return the drag problem of one state."""
+    step = trapezoid_weights(drive.omega)
+    winds = np.stack([drive.wind_spectrum, drive.gradient_spectrum, drive.gradient_spectrum]) * step
+    return drag_problem(
+        system.drag, grid.directions, grid.water, drive.omega, rows, drive.wave_spectrum[None] * step, winds[None],
+        system.quadratic_damping, drag,
+    )  # fmt: skip
+
+
+def solve_with_drag(problem: DragProblem, dynamic, damping, force, wave_force, here) -> np.ndarray:
+    """Return the motions (s, n, q, r) with drag damping (s, 6, 6) and the waves' drag force (s, m, 6, n)."""
+    s, places, rows = len(damping), np.asarray(here), problem.rows
+    z = np.repeat(dynamic[None], s, axis=0)
+    z[:, :, places[:, None], places] += (1j * problem.omega)[:, None, None] * damping[:, None][..., np.ix_(rows, rows)[0], rows]
+    f = np.repeat(force, s, axis=0) if len(force) != s else force.copy()
+    if wave_force is not None:
+        f[:, :, places, : wave_force.shape[1]] += wave_force[:, :, rows].transpose(0, 3, 2, 1)
+    return np.linalg.solve(z, f)
 
 
 def _dynamic_stiffness(system: System, mean: Equilibrium, grid: Grid, here, rows) -> np.ndarray:
@@ -189,85 +235,7 @@ def _dynamic_stiffness(system: System, mean: Equilibrium, grid: Grid, here, rows
     return out
 
 
-def _solve(dynamic, damping, force, wave_force, omega, here, rows) -> np.ndarray:
-    """Return the motions (n, q, m + winds) with drag damping (6, 6) and the waves' drag force (m, 6, n)."""
-    z = dynamic.copy()
-    z[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * damping[np.ix_(rows, rows)]
-    f = force.copy()
-    f[:, here, : wave_force.shape[0]] += np.moveaxis(wave_force[:, rows], -1, 0).swapaxes(1, 2)
-    return np.linalg.solve(z, f)
-
-
-class _Drag:
-    """The drag iteration of one solution: the elements' kinematics once, their covariances at every step."""
-
-    def __init__(self, system: System, drive: Excitation, grid: Grid, model: str, here, rows):
-        self.members, self.model = system.drag, model
-        self.quadratic = system.quadratic_damping
-        self.active = model != "none" and (len(system.drag) > 0 or bool(np.any(self.quadratic)))
-        self.omega, self.here, self.rows = drive.omega, here, rows
-        if not self.active:
-            return
-        self.motion = element_motion(self.members, grid.directions)
-        self.flat = self.motion.reshape(2 * len(self.members), 6)[:, rows]
-        self.water = np.zeros_like(grid.water) if model == "body" else grid.water
-        step = _weights(drive.omega)
-        self.wave_weight = drive.wave_spectrum * step
-        self.wind_weight = [w * step for w in (drive.wind_spectrum, drive.gradient_spectrum, drive.gradient_spectrum)]
-        self.history: list = []
-
-    def start(self, dynamic, force) -> np.ndarray:
-        """Return first coefficients: those of the water's velocity with the body at rest, or of undamped motions without waves."""
-        if not np.any(self.wave_weight) or not np.any(self.water):
-            return self.coefficients(np.linalg.solve(dynamic, force))
-        covariance = sum(self._covariance(u, w) for u, w in zip(self.water, self.wave_weight, strict=True))
-        return np.concatenate([borgman_coefficients(covariance).ravel(), np.zeros(6)])
-
-    def coefficients(self, solution: np.ndarray) -> np.ndarray:
-        """Return the linear coefficients for the motions of a solution (n, q, m + winds)."""
-        rate = np.ascontiguousarray(solution[:, self.here].T) * (1j * self.omega)
-        covariance, variance = np.zeros((len(self.members), 2, 2)), np.zeros(len(self.rows))
-        drivers = [(rate[k], self.water[k], weight) for k, weight in enumerate(self.wave_weight)]
-        m = len(self.wave_weight)
-        drivers += [(r, 0.0, w) for r, w in zip(rate[m:], self.wind_weight, strict=False) if np.any(w)]
-        for motion, water, weight in drivers:
-            covariance += self._covariance(water - self.flat @ motion, weight)
-            variance += (motion.real**2 + motion.imag**2) @ weight
-        own = np.zeros(6)
-        own[self.rows] = np.sqrt(8 / np.pi * variance)
-        return np.concatenate([borgman_coefficients(covariance).ravel(), own])
-
-    def evaluate(self, packed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the drag damping (6, 6) and the waves' drag force (m, 6, n) of packed coefficients."""
-        s = len(self.members)
-        b = packed[: 4 * s].reshape(s, 2, 2)
-        damping, per_velocity = linear_drag(self.members, self.motion, b)
-        damping = damping + self.quadratic * packed[4 * s :]
-        if self.model == "body":
-            return damping, np.zeros((len(self.water), 6, len(self.omega)))
-        return damping, per_velocity.reshape(6, 2 * s) @ self.water
-
-    def accelerate(self, old: np.ndarray, new: np.ndarray) -> np.ndarray:
-        """Return the next coefficients: one-step Anderson mixing of the fixed-point iteration."""
-        self.history = [*self.history[-1:], (old, new)]
-        if len(self.history) < 2:
-            return new
-        (x0, g0), (x1, g1) = self.history
-        f0, f1 = g0 - x0, g1 - x1
-        df = f1 - f0
-        size = df @ df
-        mix = float(np.clip((f1 @ df) / size, -0.9, 0.9)) if size > 0 else 0.0
-        return g1 - mix * (g1 - g0)
-
-    def _covariance(self, velocity: np.ndarray, weight: np.ndarray) -> np.ndarray:
-        """Return the covariances (s, 2, 2) of velocities (2 s, n) per unit of a spectrum with weights (n)."""
-        v = velocity.reshape(len(self.members), 2, len(weight))
-        square = (v.real**2 + v.imag**2) @ weight
-        cross = (v[:, 0].real * v[:, 1].real + v[:, 0].imag * v[:, 1].imag) @ weight
-        return np.stack([square[:, 0], cross, cross, square[:, 1]], axis=-1).reshape(-1, 2, 2)
-
-
-def _weights(omega: np.ndarray) -> np.ndarray:
+def trapezoid_weights(omega: np.ndarray) -> np.ndarray:
     """Return trapezoidal weights of a frequency grid."""
     step = np.diff(omega)
     out = np.zeros_like(omega)

@@ -13,7 +13,7 @@ import numpy as np
 from model.conventions import freeze, point_motion
 
 _ANGLES = (np.arange(12) + 0.5) * np.pi / 12
-_DIRECTIONS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)])
+_SQUARES = np.stack([np.cos(_ANGLES) ** 2, np.sin(_ANGLES) ** 2])
 _CUBE_MEAN = 3 * np.sqrt(np.pi / 2)
 
 
@@ -71,11 +71,17 @@ def borgman_coefficients(covariance: np.ndarray) -> np.ndarray:
     covariance (..., 2, 2) [m2/s2] of u. In one dimension b = sqrt(8/pi) sigma (Borgman 1967); in two the expectation
     E[|u| u u'] over the direction is done by quadrature and multiplied with the inverse covariance.
     """
-    variance, axes = np.linalg.eigh(covariance)
-    s1, s2 = (np.maximum(variance[..., k, None], 0.0) for k in (0, 1))
-    size = np.sqrt(s1 * _DIRECTIONS[0] ** 2 + s2 * _DIRECTIONS[1] ** 2)
-    principal = _CUBE_MEAN * (size[..., None, :] * _DIRECTIONS**2).mean(axis=-1)
-    return (axes * principal[..., None, :]) @ np.swapaxes(axes, -1, -2)
+    c11, c22, c12 = covariance[..., 0, 0], covariance[..., 1, 1], covariance[..., 0, 1]
+    middle, half = (c11 + c22) / 2, (c11 - c22) / 2
+    radius = np.hypot(half, c12)
+    s1, s2 = (np.maximum(middle + sign * radius, 0.0)[..., None] for sign in (-1, 1))
+    size = np.sqrt(s1 * _SQUARES[0] + s2 * _SQUARES[1])
+    b1, b2 = _CUBE_MEAN / len(_ANGLES) * (size @ _SQUARES[0]), _CUBE_MEAN / len(_ANGLES) * (size @ _SQUARES[1])
+    mean, slope = (b1 + b2) / 2, (b2 - b1) / np.where(radius > 0, 2 * radius, 1.0)
+    out = np.empty(covariance.shape)
+    out[..., 0, 0], out[..., 1, 1] = mean + slope * half, mean - slope * half
+    out[..., 0, 1] = out[..., 1, 0] = slope * c12
+    return out
 
 
 def linear_drag(members: DragMembers, motion: np.ndarray, coefficients: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.conventions import PLATFORM_DOFS, freeze, point_motion, rigid_mass, weight_stiffness
+from model.conventions import PLATFORM_DOFS, freeze, point_motion, rigid_mass, rotation, weight_stiffness
 from model.system.tower import TOWER_MODES, Tower, TowerModes, tower_modes
 
 
@@ -175,9 +175,10 @@ def _at_deflection(structure: TurbineStructure, shapes: TowerModes, deflection: 
     head = rotor_nacelle(structure)
     fore_aft = np.array([name.startswith("tower_fa") for name in shapes.names], dtype=bool)
     tower_motion, nodes = _node_motion(shapes, fore_aft, deflection)
-    shift = np.array([deflection[fore_aft].sum(), deflection[~fore_aft].sum(), 0.0])
-    centre = head.centre + shift + np.cross(_top_rotation(shapes, fore_aft) @ deflection, head.centre)
-    head = RigidBody(mass=head.mass, centre=centre, inertia=head.inertia)
+    lowered = deflection @ shapes.top_shortening @ deflection / 2
+    shift = np.array([deflection[fore_aft].sum(), deflection[~fore_aft].sum(), -lowered])
+    turn = rotation(_top_rotation(shapes, fore_aft) @ deflection)
+    head = RigidBody(mass=head.mass, centre=shift + turn @ head.centre, inertia=turn @ head.inertia @ turn.T)
     head_motion = _head_motion(structure.tower.top_height, shapes, fore_aft, head.centre, shift)
     head_motion[2, 6:] -= shapes.top_shortening @ deflection
     q = 6 + len(shapes.names)
@@ -198,7 +199,7 @@ def _node_motion(shapes: TowerModes, fore_aft: np.ndarray, deflection: np.ndarra
     bending = np.zeros((len(shapes.height), 3, len(shapes.names)))
     bending[:, 0, fore_aft], bending[:, 1, ~fore_aft] = shapes.shape[:, fore_aft], shapes.shape[:, ~fore_aft]
     position = bending @ deflection
-    position[:, 2] = shapes.height
+    position[:, 2] = shapes.height - deflection @ shapes.shortening @ deflection / 2
     bending[:, 2] = -shapes.shortening @ deflection
     return np.concatenate([point_motion(position), bending], axis=2), position
 

@@ -107,7 +107,9 @@ def test_beyond_the_data_the_stated_powers_of_frequency():
     h = random_hydro()
     top = h.omega[-1]
     added, damping = radiation_at(h, [2 * top])
-    np.testing.assert_allclose(added[0] - h.added_mass_infinite, (h.added_mass[-1] - h.added_mass_infinite) / 4, rtol=1e-9)
+    np.testing.assert_allclose(
+        added[0] - h.added_mass_infinite, (h.added_mass[-1] - h.added_mass_infinite) / 4, rtol=1e-9
+    )
     np.testing.assert_allclose(damping[0], h.radiation_damping[-1] / 16, rtol=EXACT)
     np.testing.assert_allclose(excitation_at(h, [2 * top], 0.0), h.excitation[0, -1:] / 4, rtol=EXACT)
 
@@ -226,7 +228,9 @@ def test_transferred_forces_do_the_same_work(point, seed):
     motion = np.random.default_rng(seed).normal(size=6)
     at_point = np.concatenate([point_motion(point) @ motion, motion[3:]])
     np.testing.assert_allclose(moved.excitation @ at_point, h.excitation @ motion, atol=1e-9)
-    np.testing.assert_allclose(at_point @ moved.added_mass @ at_point, motion @ h.added_mass @ motion, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(
+        at_point @ moved.added_mass @ at_point, motion @ h.added_mass @ motion, rtol=1e-6, atol=1e-6
+    )
 
 
 def test_a_transfer_without_volume_is_refused_and_no_transfer_is_not():
@@ -309,7 +313,9 @@ class TestCommittedOc4:
         # both come from the same mesh by different integrals: 3 % of the largest damping of the mode; in heave the forces
         # on columns and plates nearly cancel, so their discretisation errors show enlarged
         for mode, tolerance in ((0, 0.03), (1, 0.03), (2, 0.12), (5, 0.03)):
-            np.testing.assert_allclose(own[:, mode], want[:, mode], atol=tolerance * own[:, mode].max(), err_msg=str(mode))
+            np.testing.assert_allclose(
+                own[:, mode], want[:, mode], atol=tolerance * own[:, mode].max(), err_msg=str(mode)
+            )
 
     def test_moments_follow_their_reference_point(self):
         moved = transfer(replace(self.hydro, volume=13917.0), (0.0, 0.0, -13.46))

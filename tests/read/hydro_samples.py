@@ -31,7 +31,9 @@ def synthetic(
     path = np.cos(heading)[:, None, None] * x + np.sin(heading)[:, None, None] * y
     phasor = decay * np.exp(-1j * k * path)
     across = phasor * 1j * k
-    force = np.stack([across * np.cos(heading)[:, None, None], across * np.sin(heading)[:, None, None], phasor], axis=-1)
+    force = np.stack(
+        [across * np.cos(heading)[:, None, None], across * np.sin(heading)[:, None, None], phasor], axis=-1
+    )
     arm = np.stack([x, y, z], axis=-1) - np.asarray(point)
     moment = np.einsum("sij,mnsj->mnsi", skew(arm), force)
     excitation = np.concatenate([force, moment], axis=-1).sum(axis=2)

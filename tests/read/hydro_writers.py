@@ -30,7 +30,11 @@ def ah1_text(hydro, centre=(0.0, 0.0, 0.0), structures=1) -> str:
     h, force = seen_from(hydro, np.asarray(centre, dtype=float))
     m, n = force.shape[:2]
     head = [*(f"{v:12.5f}" for v in np.degrees(h.heading)), *(f"{v:12.7f}" for v in h.omega)]
-    lines = ["* DATE:01/01/24      TIME:12:00:00      RUN:BODY", "* FILE VERSION NO 5  CREATED BY AQWA-LINE VERSION 2020 R1.", "*"]
+    lines = [
+        "* DATE:01/01/24      TIME:12:00:00      RUN:BODY",
+        "* FILE VERSION NO 5  CREATED BY AQWA-LINE VERSION 2020 R1.",
+        "*",
+    ]
     lines += [f"{structures:3d}{m:3d}{n:4d}" + "".join(head[: min(m, 6)])]
     lines += [" " * 13 + "".join(head[a : min(a + 6, m)]) for a in range(6, m, 6)]
     lines += [" " * 13 + "".join(head[m + a : m + a + 6]) for a in range(0, n, 6)]
@@ -97,11 +101,17 @@ def _title(text: str) -> str:
 
 
 def _lis_grid(h, structures) -> list[str]:
-    lines = [_title("WAVE FREQUENCIES / PERIODS AND DIRECTIONS"), "", " STRUCTURE    FREQUENCY FREQUENCY  PERIOD      WAVE"]
+    lines = [
+        _title("WAVE FREQUENCIES / PERIODS AND DIRECTIONS"),
+        "",
+        " STRUCTURE    FREQUENCY FREQUENCY  PERIOD      WAVE",
+    ]
     for s in range(1, structures + 1):
         for n, w in enumerate(h.omega):
             own = f"{s:7d}" if n == 0 else " " * 7
-            lines.append(f"{own}{n + 1:6d}{w:10.5f}{w / (2 * np.pi):10.5f}{2 * np.pi / w:8.2f}   0.01   1.0   1.0   *UNDEFINED")
+            lines.append(
+                f"{own}{n + 1:6d}{w:10.5f}{w / (2 * np.pi):10.5f}{2 * np.pi / w:8.2f}   0.01   1.0   1.0   *UNDEFINED"
+            )
         heading = np.degrees(h.heading)
         lines += ["", "            DIRECTIONS   1       2       3", " ------", ""]
         lines += [" " * 20 + "".join(f"{v:8.2f}" for v in heading[a : a + 8]) for a in range(0, len(heading), 8)]
@@ -137,9 +147,17 @@ def _lis_parameters(h, centre, force, s, parts) -> list[str]:
         lines += _lis_matrix("ADDED  MASS", h.added_mass[n]) + _lis_matrix("DAMPING", h.radiation_damping[n])
     shares = {"DIFFRACTION FORCES": 0.3 + 0.1j, "FROUDE KRYLOV FORCES": 0.7 - 0.1j} if parts else {}
     for name, share in (shares | {"FROUDE KRYLOV + DIFFRACTION FORCES": 1.0}).items():
-        lines += ["1", *_lis_page(s), f"      {name}-VARIATION WITH WAVE PERIOD/FREQUENCY", " PERIOD   FREQ   DIRECTION   X", ""]
+        lines += [
+            "1",
+            *_lis_page(s),
+            f"      {name}-VARIATION WITH WAVE PERIOD/FREQUENCY",
+            " PERIOD   FREQ   DIRECTION   X",
+            "",
+        ]
         lines += _lis_force(h, force * share)
-    lines += ["1", *_lis_page(s), "      R.A.O.S-VARIATION WITH WAVE PERIOD/FREQUENCY", ""] + _lis_force(h, force * 1e-6)
+    lines += ["1", *_lis_page(s), "      R.A.O.S-VARIATION WITH WAVE PERIOD/FREQUENCY", ""] + _lis_force(
+        h, force * 1e-6
+    )
     return lines
 
 
@@ -156,7 +174,13 @@ def _lis_force(h, force) -> list[str]:
 
 
 def _lis_limits(h, s) -> list[str]:
-    lines = ["1", _title("HYDRODYNAMIC PARAMETERS AT LOW & HIGH FREQUENCIES"), "", f"     {spaced(f'FOR STRUCTURE {s}')}", ""]
+    lines = [
+        "1",
+        _title("HYDRODYNAMIC PARAMETERS AT LOW & HIGH FREQUENCIES"),
+        "",
+        f"     {spaced(f'FOR STRUCTURE {s}')}",
+        "",
+    ]
     for w, matrix in ((0.001, h.added_mass_zero), (100.0, h.added_mass_infinite)):
         lines += [f"     WAVE FREQUENCY = {w:9.4f}(RAD/S)     ENCOUNTER FREQUENCY = {w:9.4f}(RAD/S)"]
         lines += _lis_matrix("ADDED MASS", matrix)
@@ -167,7 +191,15 @@ def _lis_limits(h, s) -> list[str]:
 
 
 def write_nemoh(
-    folder: Path, hydro, *, point=(0.0, 0.0, 0.0), centre=(0.0, 0.0, 0.0), wave_point=(0.0, 0.0), version=3, unit="rad/s", bodies=1
+    folder: Path,
+    hydro,
+    *,
+    point=(0.0, 0.0, 0.0),
+    centre=(0.0, 0.0, 0.0),
+    wave_point=(0.0, 0.0),
+    version=3,
+    unit="rad/s",
+    bodies=1,
 ) -> Path:
     """Write a Nemoh folder: moments about `point`, hydrostatics about `centre` (of gravity), crest at `wave_point`."""
     h, _ = seen_from(hydro, np.asarray(point, dtype=float))
@@ -190,12 +222,21 @@ def write_nemoh(
     ]  # fmt: skip
     (results / "RadiationCoefficients.tec").write_text(_tec(column, unit, zones, ("A", "B"), bodies))
     title = "Excitation force" if version == 3 else "Diffraction force"
-    files = {"ExcitationForce": (title, 1.0), "DiffractionForce": ("Diffraction force", 0.4 + 0.2j), "FKForce": ("FKforce", 0.6 - 0.2j)}
+    files = {
+        "ExcitationForce": (title, 1.0),
+        "DiffractionForce": ("Diffraction force", 0.4 + 0.2j),
+        "FKForce": ("FKforce", 0.6 - 0.2j),
+    }
     for name, (words, share) in files.items():
         zones = []
         for m, heading in enumerate(np.degrees(h.heading)):
             f = np.tile(force[m] * share, (1, bodies))
-            zones.append((f"{words} - beta = {heading:7.3f} deg", np.stack([np.abs(f), np.angle(f)], axis=-1).reshape(len(column), -1)))
+            zones.append(
+                (
+                    f"{words} - beta = {heading:7.3f} deg",
+                    np.stack([np.abs(f), np.angle(f)], axis=-1).reshape(len(column), -1),
+                )
+            )
         (results / f"{name}.tec").write_text(_tec(column, unit, zones, ("abs(F", "angle(F"), bodies))
     about = transfer(hydro, np.asarray(centre, dtype=float))
     for s in range(bodies):
@@ -211,22 +252,42 @@ def write_nemoh(
 
 def _cal(h, point, wave_point, version, bodies) -> str:
     depth = 0.0 if np.isinf(h.depth) else h.depth
-    lines = ["--- Environment ---", f"{h.density:.6f}  ! RHO ! KG/M**3 ! Fluid specific volume", f"{h.gravity:.6f} ! G ! M/S**2 ! Gravity"]
-    lines += [f"{depth:.4f}  ! DEPTH ! M ! Water depth", f"{wave_point[0]}\t{wave_point[1]}\t! XEFF YEFF ! M ! Wave measurement point"]
+    lines = [
+        "--- Environment ---",
+        f"{h.density:.6f}  ! RHO ! KG/M**3 ! Fluid specific volume",
+        f"{h.gravity:.6f} ! G ! M/S**2 ! Gravity",
+    ]
+    lines += [
+        f"{depth:.4f}  ! DEPTH ! M ! Water depth",
+        f"{wave_point[0]}\t{wave_point[1]}\t! XEFF YEFF ! M ! Wave measurement point",
+    ]
     lines += ["--- Description of floating bodies ---", f"{bodies}  ! Number of bodies"]
     axes = np.eye(3)
     for s in range(bodies):
-        lines += [f"--- Body {s + 1} ---", "mesh\\body.dat  ! Name of mesh file", "100 90  ! Number of points and number of panels"]
+        lines += [
+            f"--- Body {s + 1} ---",
+            "mesh\\body.dat  ! Name of mesh file",
+            "100 90  ! Number of points and number of panels",
+        ]
         for what in ("degrees of freedom", "resulting generalised forces"):
             lines.append(f"6 ! Number of {what}")
             for kind, where in ((1, (0.0, 0.0, 0.0)), (2, point)):
                 for axis in axes:
-                    lines.append(" ".join([str(kind), *(f"{v:g}." for v in axis), *(f"{v:.6f}" for v in where)]) + " ! about a point")
+                    lines.append(
+                        " ".join([str(kind), *(f"{v:g}." for v in axis), *(f"{v:.6f}" for v in where)])
+                        + " ! about a point"
+                    )
         lines.append("0 ! Number of lines of additional information")
     first = "1 " if version == 3 else ""
-    lines += ["--- Load cases to be solved ---", f"{first}{len(h.omega)}\t{h.omega[0]:.6f} {h.omega[-1]:.6f} ! Number of wave frequencies"]
+    lines += [
+        "--- Load cases to be solved ---",
+        f"{first}{len(h.omega)}\t{h.omega[0]:.6f} {h.omega[-1]:.6f} ! Number of wave frequencies",
+    ]
     heading = np.degrees(h.heading)
-    lines += [f"{len(heading)} {heading[0]} {heading[-1]} ! Number of wave directions, Min and Max (degrees)", "--- Post processing ---"]
+    lines += [
+        f"{len(heading)} {heading[0]} {heading[-1]} ! Number of wave directions, Min and Max (degrees)",
+        "--- Post processing ---",
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -234,7 +295,11 @@ def _tec(column, unit, zones, names, bodies) -> str:
     symbol = {"rad/s": "w (rad/s)", "Hz": "f (Hz)", "s": "T (s)"}[unit]
     lines = [f'VARIABLES="{symbol}"']
     close = ")" if names[0].endswith("F") else ""
-    lines += [f'"{names[0]} {s + 1:3d} {i + 1:3d}{close}" "{names[1]} {s + 1:3d} {i + 1:3d}{close}"' for s in range(bodies) for i in range(6)]
+    lines += [
+        f'"{names[0]} {s + 1:3d} {i + 1:3d}{close}" "{names[1]} {s + 1:3d} {i + 1:3d}{close}"'
+        for s in range(bodies)
+        for i in range(6)
+    ]
     for title, values in zones:
         lines.append(f'Zone t="{title}",I={len(column):6d},F=POINT')
         lines += ["".join(f"{v:16.7E}" for v in (w, *row)) for w, row in zip(column, values, strict=True)]
@@ -244,7 +309,9 @@ def _tec(column, unit, zones, names, bodies) -> str:
 # OrcaFlex ------------------------------------------------------------------------------------------------------------
 
 
-def orcaflex_text(hydro, *, point=(0.0, 0.0, 0.0), mass=1.0e7, centre=(0.0, 0.0, 0.0), conventions=None, types=("Body1 type",)) -> str:
+def orcaflex_text(
+    hydro, *, point=(0.0, 0.0, 0.0), mass=1.0e7, centre=(0.0, 0.0, 0.0), conventions=None, types=("Body1 type",)
+) -> str:
     """Return an OrcaFlex text file with the conventions given (the defaults are OrcaFlex's own)."""
     h, force = seen_from(hydro, np.asarray(point, dtype=float))
     own = {
@@ -253,42 +320,81 @@ def orcaflex_text(hydro, *, point=(0.0, 0.0, 0.0), mass=1.0e7, centre=(0.0, 0.0,
         "SwayPositive": "port", "HeavePositive": "up", "RollPositiveStarboard": "down", "PitchPositiveBow": "down",
         "YawPositiveBow": "port",
     } | (conventions or {})  # fmt: skip
-    lines = ["\ufeff%YAML 1.1", "# Type: Model", "# Program: OrcaFlex 11.3d", "---", "General:", "  # Units", "  UnitsSystem: SI"]
+    lines = [
+        "\ufeff%YAML 1.1",
+        "# Type: Model",
+        "# Program: OrcaFlex 11.3d",
+        "---",
+        "General:",
+        "  # Units",
+        "  UnitsSystem: SI",
+    ]
     lines += ["  StageDuration:", "    - 8", "    - 16", "Environment:", f"  Density: {h.density / 1000!r}"]
-    lines += [f"  WaterDepth: {'Infinity' if np.isinf(h.depth) else h.depth}", "  WaveTrains:", "    - Name: Wave1", "      WavePeriod: 8"]
+    lines += [
+        f"  WaterDepth: {'Infinity' if np.isinf(h.depth) else h.depth}",
+        "  WaveTrains:",
+        "    - Name: Wave1",
+        "      WavePeriod: 8",
+    ]
     lines += ["  CurrentDepth, CurrentFactor:", "    - [0, 1]", "VesselTypes:"]
     for name in types:
-        lines += [f"  - Name: {name}", "    Length: ~", "    # Conventions", *(f"    {k}: {v}" for k, v in own.items()), "    Draughts:"]
+        lines += [
+            f"  - Name: {name}",
+            "    Length: ~",
+            "    # Conventions",
+            *(f"    {k}: {v}" for k, v in own.items()),
+            "    Draughts:",
+        ]
         lines += _draught(h, force, point, mass, centre, own)
     return "\n".join([*lines, "Vessels:", "  - Name: Body1", "    VesselType: Body1 type", "..."]) + "\n"
 
 
 def _flow(values, width=0) -> str:
     text = "[" + ", ".join(repr(float(v)) for v in values) + "]"
-    return text if not width or len(text) < width else text[: (at := text.rfind(", ", 0, width) + 1)] + "\n" + " " * 16 + text[at + 1 :]
+    return (
+        text
+        if not width or len(text) < width
+        else text[: (at := text.rfind(", ", 0, width) + 1)] + "\n" + " " * 16 + text[at + 1 :]
+    )
 
 
 def _draught(h, force, point, mass, centre, own) -> list[str]:
     c = h.hydrostatic_stiffness + weight_stiffness(mass, np.subtract(centre, point), h.gravity)
     pad = "        "
-    lines = ["      - Name: Draught1", f"{pad}Mass: {mass / 1000!r}", f"{pad}CentreOfMass: {_flow(centre)}", f"{pad}LoadRAOs:"]
+    lines = [
+        "      - Name: Draught1",
+        f"{pad}Mass: {mass / 1000!r}",
+        f"{pad}CentreOfMass: {_flow(centre)}",
+        f"{pad}LoadRAOs:",
+    ]
     lines += [f"{pad}  RAOOrigin: {_flow(point)}", f"{pad}  PhaseOrigin: [~, ~, ~]", f"{pad}  RAOs:"]
     modes = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
     names = ", ".join(["RAOPeriodOrFrequency"] + [f"RAO{m}{p}" for m in modes for p in ("Amp", "Phase")])
     w = h.omega[::-1]
-    column = {"frequency (rad/s)": w, "frequency (Hz)": w / (2 * np.pi), "period (s)": 2 * np.pi / w}[own["WavesReferredToBy"]]
+    column = {"frequency (rad/s)": w, "frequency (Hz)": w / (2 * np.pi), "period (s)": 2 * np.pi / w}[
+        own["WavesReferredToBy"]
+    ]
     for m, heading in enumerate(np.degrees(h.heading)):
-        lines += [f"{pad}    - RAODirection: {heading!r}".replace("np.float64(", "").replace(")", ""), f"{pad}      {names}:"]
+        lines += [
+            f"{pad}    - RAODirection: {heading!r}".replace("np.float64(", "").replace(")", ""),
+            f"{pad}      {names}:",
+        ]
         for value, f in zip(column, force[m, ::-1], strict=True):
             amplitude, phase = _told(f / 1000, own)
             lines.append(f"{pad}        - " + _flow([value, *np.stack([amplitude, phase], axis=-1).ravel()], 100))
-    lines += [f"{pad}# Stiffness, added mass and damping", f"{pad}AMDMethod: Frequency dependent", f"{pad}ReferenceOrigin: {_flow(point)}"]
+    lines += [
+        f"{pad}# Stiffness, added mass and damping",
+        f"{pad}AMDMethod: Frequency dependent",
+        f"{pad}ReferenceOrigin: {_flow(point)}",
+    ]
     lines += [f"{pad}DisplacedVolume: {h.volume!r}", f"{pad}CentreOfBuoyancy: {_flow(h.centre_of_buoyancy)}"]
     lines += [f"{pad}HydrostaticStiffnessz, HydrostaticStiffnessRx, HydrostaticStiffnessRy:"]
     lines += [f"{pad}  - {_flow(row)}" for row in c[2:5, 2:5] / 1000] + [f"{pad}FrequencyDependentAddedMassAndDamping:"]
     high, low = ("0", "Infinity") if own["WavesReferredToBy"].startswith("period") else ("Infinity", "0")
     blocks = [(high, h.added_mass_infinite, np.zeros((6, 6)))]
-    blocks += [(repr(float(v)), a, b) for v, a, b in zip(column, h.added_mass[::-1], h.radiation_damping[::-1], strict=True)]
+    blocks += [
+        (repr(float(v)), a, b) for v, a, b in zip(column, h.added_mass[::-1], h.radiation_damping[::-1], strict=True)
+    ]
     for value, a, b in [*blocks, (low, h.added_mass_zero, np.zeros((6, 6)))]:
         lines.append(f"{pad}  - AMDPeriodOrFrequency: {value}")
         for stem, matrix in (("AddedMassMatrix", a), ("Damping", b)):
@@ -303,7 +409,9 @@ def _told(f: np.ndarray, own) -> tuple[np.ndarray, np.ndarray]:
     usual |= {"RollPositiveStarboard": "down", "PitchPositiveBow": "down", "YawPositiveBow": "port"}
     f = f * np.array([1 if own[k] == v else -1 for k, v in usual.items()])
     # time from the event to the crest: a quarter period before, half, or a quarter after
-    wait = {"crest": 0.0, "zero up-crossing": 0.25, "trough": 0.5, "zero down-crossing": -0.25}[own["RAOPhaseRelativeToConvention"]]
+    wait = {"crest": 0.0, "zero up-crossing": 0.25, "trough": 0.5, "zero down-crossing": -0.25}[
+        own["RAOPhaseRelativeToConvention"]
+    ]
     lead = np.angle(f) - 2 * np.pi * wait
     phase = lead if own["RAOPhaseConvention"] == "leads" else -lead
     phase = np.degrees(phase) if own["RAOPhaseUnitsConvention"] == "degrees" else phase

@@ -115,7 +115,9 @@ def test_exchanged_limits_are_noticed(stem):
 
 def test_first_column_in_radians_per_second(stem):
     def to_omega(lines):
-        return [f"{2 * np.pi / t if t > 0 else t:.9E} {rest}" for t, rest in ((float(x.split()[0]), x[14:]) for x in lines)]
+        return [
+            f"{2 * np.pi / t if t > 0 else t:.9E} {rest}" for t, rest in ((float(x.split()[0]), x[14:]) for x in lines)
+        ]
 
     edit(stem, ".1", to_omega)
     edit(stem, ".3", to_omega)
@@ -149,9 +151,13 @@ def test_haskind_file_is_used_when_there_is_no_other(stem):
 def test_weight_in_the_hydrostatics_is_taken_off(tmp_path):
     want = synthetic()
     mass, centre = 1.1e7, (1.0, -2.0, -13.0)
-    with_weight = replace(want, hydrostatic_stiffness=want.hydrostatic_stiffness + weight_stiffness(mass, centre, 9.80665))
+    with_weight = replace(
+        want, hydrostatic_stiffness=want.hydrostatic_stiffness + weight_stiffness(mass, centre, 9.80665)
+    )
     write_wamit(with_weight, tmp_path / "body")
-    assert_equal(read_wamit(tmp_path / "body", weight=(mass, centre), **WATER), want, 1e-5)  # a difference of larger numbers
+    assert_equal(
+        read_wamit(tmp_path / "body", weight=(mass, centre), **WATER), want, 1e-5
+    )  # a difference of larger numbers
 
 
 def renumbered(lines, columns, shift):

@@ -159,7 +159,10 @@ def _out_radiation(hydro, period, scale, bodies) -> list[str]:
         a = (hydro.added_mass_zero if period < 0 else hydro.added_mass_infinite) / scale
         values = [[f"{a[i, j]:14.6E}" for j in range(6)] for i in range(6)]
     return [
-        f"{6 * s + i + 1:6d}{6 * s + j + 1:6d} {values[i][j]}" for s in range(bodies) for i in range(6) for j in range(6)
+        f"{6 * s + i + 1:6d}{6 * s + j + 1:6d} {values[i][j]}"
+        for s in range(bodies)
+        for i in range(6)
+        for j in range(6)
     ]
 
 

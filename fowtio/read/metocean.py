@@ -1,0 +1,447 @@
+"""Metocean records (wind speed, wave height, periods, directions over time) from CSV, TSV, blank-separated text, xlsx, netCDF.
+
+Whatever is wrong with a record is counted in a report, and a doubtful value becomes NaN: it is never used silently.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from fowtio.errors import FormatError
+from fowtio.read.metocean_columns import HEADINGS, QUANTITIES, direction_sense, quantities_of, split_heading
+from fowtio.read.registry import Format, head_lines, span
+from fowtio.read.text import read_bytes, read_lines
+
+_MISSING_TEXT = {"", "nan", "na", "n/a", "null", "none", "-", "--", "mm", "nat"}
+SENTINELS = (-999.0, -9999.0, -99.0, -999.9, -9999.9, -32767.0, -32768.0, 99.0, 999.0, 9999.0, 99.9, 999.9, 9999.9, 1e20, 9.969209968386869e36)
+_TIME_NAMES = ("time", "date", "datetime", "timestamp", "date time", "valid time", "time utc", "zeit")
+_PARTS = {"year": ("year", "yyyy", "yy", "yr"), "month": ("month", "mm", "mo", "mon"), "day": ("day", "dd", "dy"), "hour": ("hour", "hh", "hr"),
+          "minute": ("minute", "mn", "min", "mm")}  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class MetoceanReport:
+    """What was found in a record and what was done: rows read; columns as (quantity, heading, unit, factor to SI); counts by
+    quantity of values missing, sentinel (such as -999), out_of_range and unreadable, all NaN now; bad_times, rows dropped
+    because their time cannot be read; duplicates, rows dropped because they repeat another; conflicting, rows dropped
+    because they contradict another of the same time, which is NaN now; unsorted, rows that stood before an earlier one; step
+    [s] most often found; gaps and missing_steps; notes of what was assumed.
+    """
+
+    rows: int
+    columns: tuple[tuple[str, str, str, float], ...]
+    missing: Mapping[str, int]
+    sentinel: Mapping[str, int]
+    out_of_range: Mapping[str, int]
+    unreadable: Mapping[str, int]
+    bad_times: int
+    duplicates: int
+    conflicting: int
+    unsorted: int
+    step: float
+    gaps: int
+    missing_steps: int
+    notes: tuple[str, ...] = ()
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing at all was wrong."""
+        counts = (self.bad_times, self.duplicates, self.conflicting, self.unsorted, self.gaps)
+        return not any(counts) and not any(n for m in (self.missing, self.sentinel, self.out_of_range, self.unreadable) for n in m.values())
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Metocean:
+    """A metocean record: time (n), UTC, ascending; values by quantity (n), SI, NaN where doubtful; its report; source.
+
+    Quantities: wind_speed, wind_deviation [m/s], significant_height [m], peak_period, zero_crossing_period [s],
+    wind_heading, wave_heading [rad] of propagation, 0 along +x, counter-clockwise, in [0, 2 pi).
+    """
+
+    time: np.ndarray
+    values: Mapping[str, np.ndarray]
+    report: MetoceanReport
+    source: str = ""
+
+    def __getitem__(self, quantity: str) -> np.ndarray:
+        """Return one quantity; raise FormatError naming those there are."""
+        if quantity not in self.values:
+            raise FormatError(self.source, expected=f"a column of {quantity}", found=", ".join(self.values))
+        return self.values[quantity]
+
+    def complete(self, *quantities: str) -> np.ndarray:
+        """Return the rows (m, k) in which all the quantities (default: all) are there."""
+        names = quantities or tuple(self.values)
+        table = np.stack([self[name] for name in names], axis=1)
+        return table[np.isfinite(table).all(axis=1)]
+
+
+@dataclass
+class _Count:
+    """Counts of what is wrong, by quantity."""
+
+    missing: dict = field(default_factory=dict)
+    sentinel: dict = field(default_factory=dict)
+    out_of_range: dict = field(default_factory=dict)
+    unreadable: dict = field(default_factory=dict)
+    notes: list = field(default_factory=list)
+
+
+def read_metocean(
+    path: str | Path, *, columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None,
+    direction: str | None = None, x_bearing: float = 90.0, time_zone: str = "UTC", day_first: bool | None = None,
+    sentinels: tuple[float, ...] = SENTINELS,
+) -> Metocean:  # fmt: skip
+    """Return a metocean record with a report of everything wrong in it.
+
+    Parameters
+    ----------
+    path : CSV, TSV or blank-separated text, xlsx or netCDF
+    columns : heading by quantity ("wind_speed", ...) and of "time"; default: found by common names
+    units : unit by quantity; default: what the heading says in brackets (netCDF: the attribute), else SI and degrees
+    direction : "from" or "to", what directions in the file mean; default: what headings say, else "from", with a note
+    x_bearing : compass bearing of the +x axis [deg, clockwise from north]; 90 puts x to the east and y to the north
+    time_zone : of times without their own
+    day_first : whether 01/02/2020 is 1 February; needed only where both readings are possible
+    sentinels : numbers that stand for missing values; those within the believable range of a quantity are kept
+
+    Raises
+    ------
+    FormatError : no column of time or of any quantity, two columns for one quantity, an unknown unit, unreadable times.
+    """
+    path = Path(path)
+    table, attributes = _table(path)
+    given = dict(columns or {})
+    clock = set() if "time" in given else set(_time_parts(table).values())
+    names = _chosen(path, [h for h in table if h not in clock], given)
+    count = _Count()
+    time = _times(path, table, given.get("time"), time_zone, day_first, count)
+    values, used = {}, []
+    for quantity, heading in names.items():
+        unit, factor = _unit(path, quantity, heading, (units or {}).get(quantity) or attributes.get(heading, ""))
+        raw = _numbers(table[heading], quantity, count)
+        values[quantity] = _believable(raw, factor, quantity, sentinels, count)
+        used.append((quantity, heading, unit, factor))
+    for quantity in HEADINGS:
+        if quantity in values:
+            sense = direction or direction_sense(names[quantity])
+            if not sense:
+                count.notes.append(f"{names[quantity]}: taken as the direction it comes from; say direction='to' if not")
+            bearing = np.degrees(values[quantity]) + (0.0 if sense == "to" else 180.0)
+            values[quantity] = np.radians((x_bearing - bearing) % 360)
+    return _ordered(path, time, values, tuple(used), count, len(table))
+
+
+# --- reading ------------------------------------------------------------------------------------------------------------
+
+
+def _table(path: Path) -> tuple:
+    """Return a pandas table of text or numbers by heading, and the units that headings have as attributes."""
+    head = read_bytes(path)[:8]
+    if head[:4] == b"PK\x03\x04":
+        return _spreadsheet(path), {}
+    if head[:3] == b"CDF" or head[:4] == b"\x89HDF":
+        return _netcdf(path)
+    return _text(path), {}
+
+
+def _text(path: Path):
+    """Return the table of a text file: separator, heading and line of units are found by looking."""
+    import pandas as pd
+
+    lines = read_lines(path)
+    start = next((i for i, line in enumerate(lines) if _is_heading(line)), None)
+    if start is None or start + 1 >= len(lines):
+        raise FormatError(path, 1, expected="a line of headings and rows below it", found=lines[0])
+    separator = next((s for s in ("\t", ";", ",") if s in lines[start]), None)
+    headings = _split(lines[start].lstrip("# "), separator)
+    body = start + 1
+    while body < len(lines) and (lines[body].startswith("#") or not re.search(r"\d", lines[body])) and lines[body].strip():
+        body += 1
+    rows = []
+    for i, line in enumerate(lines[body:], start=body + 1):
+        if not line.strip() or line.startswith("#"):
+            continue
+        row = _split(line, separator)
+        if len(row) != len(headings):
+            raise FormatError(path, i, expected=f"{len(headings)} columns", found=line)
+        rows.append(row)
+    if not rows:
+        raise FormatError(path, start + 1, expected="rows below the headings", found="none")
+    if len(set(headings)) < len(headings):
+        raise FormatError(path, start + 1, expected="different headings", found=lines[start])
+    table = pd.DataFrame(rows, columns=headings, dtype=object)
+    if separator == ";":
+        table = table.map(lambda t: t.replace(",", ".") if re.fullmatch(r"[-+]?\d+,\d+", t) else t)
+    return table
+
+
+def _is_heading(line: str) -> bool:
+    """Tell whether a line has two words or more that are no numbers and mean a time or a quantity."""
+    separator = next((s for s in ("\t", ";", ",") if s in line), None)
+    parts = _split(line.lstrip("# "), separator)
+    known = [p for p in parts if quantities_of(p) or _is_time(p) or split_heading(p)[0] in _PARTS["year"]]
+    return len(parts) > 1 and bool(known) and not re.match(r"\s*[-+]?\d", line.lstrip("#"))
+
+
+def _split(line: str, separator: str | None) -> list[str]:
+    parts = line.split(separator) if separator else line.split()
+    return [p.strip().strip('"').strip() for p in parts]
+
+
+def _spreadsheet(path: Path):
+    import pandas as pd
+
+    try:
+        table = pd.read_excel(path, dtype=object)
+    except Exception as error:  # openpyxl has no common class of errors for damaged files
+        raise FormatError(path, expected="a readable spreadsheet", found=str(error)) from None
+    if table.empty:
+        raise FormatError(path, expected="rows in the first sheet", found="none")
+    return table.rename(columns=str)
+
+
+def _netcdf(path: Path) -> tuple:
+    import xarray as xr
+
+    try:
+        with xr.open_dataset(path) as source:
+            data = source.load().squeeze(drop=True)
+    except Exception as error:  # the back ends raise errors of many kinds for damaged files
+        raise FormatError(path, expected="a readable netCDF file", found=str(error)) from None
+    time = next((n for n in data.variables if _is_time(n) or data[n].dtype.kind == "M"), None)
+    if time is None:
+        raise FormatError(path, expected="a variable of time", found=", ".join(map(str, data.variables)))
+    wide = [str(n) for n in data.data_vars if data[n].ndim > 1 and quantities_of(str(n))]
+    if wide:
+        dims = ", ".join(f"{d} ({s})" for d, s in data.sizes.items())
+        raise FormatError(path, expected="one place", found=f"{', '.join(wide)} over {dims}", hint="Select one point first")
+    keep = [n for n in data.data_vars if data[n].dims == data[time].dims and n != time]
+    units = {str(n): str(data[n].attrs.get("units", "")).lower() for n in keep}
+    table = data[[*keep]].to_dataframe().reset_index().rename(columns=str)
+    return table, units
+
+
+# --- columns ------------------------------------------------------------------------------------------------------------
+
+
+def _chosen(path: Path, headings: list[str], given: dict[str, str]) -> dict[str, str]:
+    """Return the heading of each quantity, given or found."""
+    out = {}
+    for quantity, heading in given.items():
+        if quantity not in (*QUANTITIES, "time"):
+            raise FormatError(path, expected=f"quantities {', '.join(QUANTITIES)}", found=quantity)
+        if heading not in headings:
+            raise FormatError(path, expected=f"a column {heading!r} for {quantity}", found=", ".join(headings))
+    for quantity in QUANTITIES:
+        if quantity in given:
+            out[quantity] = given[quantity]
+            continue
+        found = [h for h in headings if quantity in quantities_of(h) and h not in given.values()]
+        found = [h for h in found if len(quantities_of(h)) == 1] or found
+        if len(found) > 1:
+            hint = f"Choose one: columns={{{quantity!r}: {found[0]!r}}}"
+            raise FormatError(path, expected=f"one column of {QUANTITIES[quantity].what}", found=", ".join(found), hint=hint)
+        if found and found[0] not in out.values():
+            out[quantity] = found[0]
+    if not out:
+        raise FormatError(path, expected="columns of wind or waves", found=", ".join(headings), hint="Name them with columns={...}")
+    return out
+
+
+def _unit(path: Path, quantity: str, heading: str, given: str) -> tuple[str, float]:
+    """Return the unit of a column and its factor to SI."""
+    known = QUANTITIES[quantity].units
+    unit = (given or split_heading(heading)[1]).lower().strip()
+    if not unit or unit in ("-", "1"):
+        unit = "deg" if quantity in HEADINGS else next(iter(known))
+    if unit not in known:
+        raise FormatError(path, expected=f"a unit of {quantity}: {', '.join(known)}", found=unit, hint="Give it with units={...}")
+    return unit, known[unit]
+
+
+def _numbers(column, quantity: str, count: _Count) -> np.ndarray:
+    """Return a column as numbers; what is no number is NaN and counted, missing apart from unreadable."""
+    import pandas as pd
+
+    values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)
+    bad = ~np.isfinite(values)
+    text = column[bad].map(lambda t: str(t).strip().lower())
+    missing = int(text.isin(_MISSING_TEXT).sum())
+    count.missing[quantity], count.unreadable[quantity] = missing, int(bad.sum()) - missing
+    return np.where(bad, np.nan, values)
+
+
+def _believable(raw: np.ndarray, factor: float, quantity: str, sentinels: tuple[float, ...], count: _Count) -> np.ndarray:
+    """Return values in SI; sentinels and what is out of the believable range are NaN and counted."""
+    q = QUANTITIES[quantity]
+    values = raw * factor
+    outside = (values < q.low) | (values > q.high)
+    sentinel = outside & np.isclose(raw[:, None], np.array(sentinels), rtol=1e-6, atol=0).any(axis=1)
+    count.sentinel[quantity] = int(sentinel.sum())
+    count.out_of_range[quantity] = int((outside & ~sentinel).sum())
+    return np.where(outside, np.nan, values)
+
+
+# --- time ---------------------------------------------------------------------------------------------------------------
+
+
+def _is_time(heading: str) -> bool:
+    name = split_heading(heading)[0]
+    return name in _TIME_NAMES or name.startswith(("time", "date"))
+
+
+def _times(path: Path, table, given: str | None, zone: str, day_first: bool | None, count: _Count) -> np.ndarray:
+    """Return the times (n) of the rows as datetime64[ns] in UTC, NaT where they cannot be read."""
+    import pandas as pd
+
+    parts = _time_parts(table)
+    if given is None and "year" in parts:
+        frame = pd.DataFrame({k: pd.to_numeric(table[h], errors="coerce") for k, h in parts.items()})
+        frame["year"] = frame["year"].where(frame["year"] > 99, frame["year"] + np.where(frame["year"] < 70, 2000, 1900))
+        stamps = pd.to_datetime(frame, errors="coerce")
+    else:
+        found = [h for h in table if _is_time(h)]
+        heading = given or (found[0] if found else None)
+        if heading is None:
+            raise FormatError(path, expected="a column of time", found=", ".join(table), hint="Name it with columns={'time': ...}")
+        stamps = _stamps(path, table[heading], day_first, count)
+    if getattr(stamps.dtype, "tz", None) is None:
+        try:
+            local = stamps.dt.tz_localize(zone, ambiguous="NaT", nonexistent="NaT")
+        except Exception as error:  # pandas passes on the errors of the library of time zones
+            raise FormatError(path, expected="a time zone such as 'UTC' or 'Europe/Oslo'", found=zone, hint=str(error)) from None
+    else:
+        local = stamps
+    return local.dt.tz_convert("UTC").dt.tz_localize(None).to_numpy(dtype="datetime64[ns]")
+
+
+def _time_parts(table) -> dict[str, str]:
+    """Return the headings of year, month, day, hour and minute where the file has a column for each."""
+    plain = {}
+    for heading in table:
+        plain.setdefault(heading.strip("# "), heading)
+    exact = {"YY": "year", "YYYY": "year", "MM": "month", "DD": "day", "hh": "hour", "mm": "minute"}
+    out = {part: plain[name] for name, part in exact.items() if name in plain}
+    if {"year", "month", "day"} <= set(out):
+        return out
+    lower = {split_heading(h)[0]: h for h in table}
+    out = {part: next((lower[n] for n in names if n in lower), None) for part, names in _PARTS.items()}
+    return {k: v for k, v in out.items() if v is not None} if out["year"] and out["month"] and out["day"] else {}
+
+
+def _stamps(path: Path, column, day_first: bool | None, count: _Count):
+    """Return a column of times as pandas timestamps."""
+    import pandas as pd
+
+    if column.dtype.kind == "M" or not all(isinstance(t, str) for t in column.head(20)):
+        stamps = pd.to_datetime(column, errors="coerce", utc=column.map(lambda t: getattr(t, "tzinfo", None) is not None).any())
+        if pd.api.types.is_numeric_dtype(pd.to_numeric(column, errors="coerce")) and column.dtype.kind in "if":
+            raise FormatError(path, expected="dates", found=f"numbers such as {column.iloc[0]}", hint="Write times as year-month-day hour:minute")
+        return stamps
+    text = column.str.strip()
+    first = text.iloc[0]
+    if re.fullmatch(r"-?\d+ days?.*", first):
+        count.notes.append("times count from 1970-01-01: the file gives durations")
+        return pd.Timestamp(0) + pd.to_timedelta(text, errors="coerce")
+    if re.fullmatch(r"\d{4}-\d{2}-\d{2}-\d{2}", first):
+        return pd.to_datetime(text, format="%Y-%m-%d-%H", errors="coerce")
+    if re.match(r"\d{1,2}[/.-]\d{1,2}[/.-]\d{2,4}", first):
+        return _day_and_month(path, text, day_first)
+    if re.fullmatch(r"[-+]?\d+(\.\d*)?", first) and len(first.split(".")[0]) not in (8, 10, 12, 14):
+        raise FormatError(path, expected="dates", found=f"numbers such as {first}", hint="Write times as year-month-day hour:minute")
+    form = {8: "%Y%m%d", 10: "%Y%m%d%H", 12: "%Y%m%d%H%M", 14: "%Y%m%d%H%M%S"}.get(len(first)) if first.isdigit() else "ISO8601"
+    zoned = text.str.contains(r"(?:Z|[+-]\d{2}:?\d{2})$").any()
+    return pd.to_datetime(text, format=form, errors="coerce", utc=bool(zoned))
+
+
+def _day_and_month(path: Path, text, day_first: bool | None):
+    """Return dates of the form 01/02/2020; raise FormatError where both readings are possible and none is chosen."""
+    import pandas as pd
+
+    if day_first is None:
+        first, second = (pd.to_numeric(text.str.split(r"[/.-]", regex=True).str[k], errors="coerce") for k in (0, 1))
+        if first.max() > 12:
+            day_first = True
+        elif second.max() > 12:
+            day_first = False
+        else:
+            raise FormatError(path, expected="dates that can be read in one way", found=text.iloc[0], hint="Say day_first=True or False")
+    return pd.to_datetime(text, dayfirst=day_first, errors="coerce", format="mixed")
+
+
+# --- order --------------------------------------------------------------------------------------------------------------
+
+
+def _ordered(path: Path, time: np.ndarray, values: dict, used: tuple, count: _Count, rows: int) -> Metocean:
+    """Return the record sorted by time, each time once, with its report."""
+    bad = np.isnat(time)
+    if bad.all():
+        raise FormatError(path, expected="times that can be read", found="none in the column of time")
+    time, values = time[~bad], {k: v[~bad] for k, v in values.items()}
+    unsorted = int(np.sum(np.diff(time) < np.timedelta64(0)))
+    order = np.argsort(time, kind="stable")
+    time, values = time[order], {k: v[order] for k, v in values.items()}
+    time, values, duplicates, conflicting = _single(time, values)
+    seconds = np.diff(time) / np.timedelta64(1, "s")
+    step = float(np.median(seconds)) if len(seconds) else 0.0
+    holes = np.round(seconds / step).astype(int) - 1 if step > 0 else np.zeros(0, dtype=int)
+    report = MetoceanReport(
+        rows=rows, columns=used, missing=count.missing, sentinel=count.sentinel, out_of_range=count.out_of_range,
+        unreadable=count.unreadable, bad_times=int(bad.sum()), duplicates=duplicates, conflicting=conflicting, unsorted=unsorted,
+        step=step, gaps=int(np.sum(holes > 0)), missing_steps=int(holes[holes > 0].sum()), notes=tuple(count.notes),
+    )  # fmt: skip
+    for array in (time, *values.values()):
+        array.setflags(write=False)
+    return Metocean(time=time, values=values, report=report, source=str(path))
+
+
+def _single(time: np.ndarray, values: dict) -> tuple:
+    """Return the record with every time once; where rows of one time differ the quantity is NaN."""
+    unique, first, inverse, times = np.unique(time, return_index=True, return_inverse=True, return_counts=True)
+    if len(unique) == len(time):
+        return time, values, 0, 0
+    table = np.stack([*values.values()], axis=1)
+    reference = table[first][inverse]
+    differs = ~((table == reference) | (np.isnan(table) & np.isnan(reference)))
+    clash = np.zeros((len(unique), table.shape[1]), dtype=bool)
+    np.logical_or.at(clash, inverse, differs)
+    out = np.where(clash, np.nan, table[first])
+    conflicting = int((times[clash.any(axis=1)] - 1).sum())
+    return unique, dict(zip(values, out.T.copy(), strict=True)), len(time) - len(unique) - conflicting, conflicting
+
+
+def _recognises(path, head: bytes) -> bool:
+    if head.startswith((b"CDF", b"\x89HDF")):
+        return True
+    if head.startswith(b"PK\x03\x04"):
+        return Path(path).suffix.lower() in (".xlsx", ".xlsm")
+    for line in head_lines(head)[:50]:
+        if _is_heading(line):
+            separator = next((s for s in ("\t", ";", ",") if s in line), None)
+            parts = _split(line.lstrip("# "), separator)
+            return any(_is_time(p) or split_heading(p)[0] in _PARTS["year"] for p in parts) and any(quantities_of(p) for p in parts)
+    return False
+
+
+def _describe(record: Metocean) -> list[tuple[str, str]]:
+    r = record.report
+    first, last = (np.datetime_as_string(t, unit="m") for t in record.time[[0, -1]])
+    rows = [("time", f"{first} to {last} UTC, {len(record.time)} steps of {r.step:g} s")]
+    for quantity, heading, unit, factor in r.columns:
+        values = record.values[quantity]
+        si = span(values, "deg", 180 / np.pi) if quantity in HEADINGS else span(values, next(iter(QUANTITIES[quantity].units)))
+        wrong = {k: getattr(r, k)[quantity] for k in ("missing", "sentinel", "out_of_range", "unreadable")}
+        counts = ", ".join(f"{n} {k.replace('_', ' ')}" for k, n in wrong.items() if n)
+        rows.append((quantity, f"{si} (column {heading}, {unit} x {factor:.6g}){'; ' + counts if counts else ''}"))
+    rows.append(("rows", f"{r.rows} read, {r.duplicates} repeated, {r.conflicting} contradictory, {r.bad_times} without time, {r.unsorted} out of order"))
+    rows.append(("gaps", f"{r.gaps}, {r.missing_steps} steps missing"))
+    return rows + [("assumed", note) for note in r.notes]
+
+
+METOCEAN = Format(name="Metocean record (CSV, TSV, text, xlsx, netCDF)", recognises=_recognises, read=read_metocean, describe=_describe)

@@ -1,0 +1,1 @@
+"""Frequency-domain model to state space: rational fits of radiation and excitation, assembly, balanced reduction."""
