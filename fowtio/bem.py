@@ -84,31 +84,71 @@ def solve_frequency(body, omega: float, settings: BemSettings, solver=None) -> d
     cpt = load_capytaine()
     solver = solver or cpt.BEMSolver(method=settings.method)
     depth = settings.depth
-    if not np.isfinite(omega) or omega == 0 or omega**2 * depth / settings.gravity > DEEP:
-        depth = np.inf if not np.isinf(omega) else settings.depth
+    if omega == 0 or (np.isfinite(omega) and omega**2 * depth / settings.gravity > DEEP):
+        depth = np.inf
     common = dict(body=body, omega=omega, water_depth=depth, rho=settings.density, g=settings.gravity)
-    radiation = [cpt.RadiationProblem(radiating_dof=dof, **common) for dof in DOFS]
-    diffraction = []
-    if np.isfinite(omega) and omega > 0:
-        diffraction = [cpt.DiffractionProblem(wave_direction=beta, **common) for beta in settings.headings]
-
-    def run(problem):
-        return solver.solve(problem, keep_details=False, _check_wavelength=False)
-
-    moved = [run(p) for p in radiation]
-    added = np.array([[r.added_mass[dof] for r in moved] for dof in DOFS])
-    damping = np.array([[r.radiation_damping[dof] for r in moved] for dof in DOFS])
-    force = [[_total(run(p))[dof] for dof in DOFS] for p in diffraction]
+    if omega == 0 or np.isinf(omega):
+        results = [solver.solve(cpt.RadiationProblem(radiating_dof=d, **common), keep_details=False) for d in DOFS]
+        added, damping = np.array([[r.added_mass[dof] for r in results] for dof in DOFS]), np.zeros((6, 6))
+        force = np.zeros((0, 6))
+    else:
+        waves = [cpt.DiffractionProblem(wave_direction=beta, **common) for beta in settings.headings]
+        added, damping, force = _radiation_and_diffraction(body, waves, omega, depth, settings, solver)
     return {
         "added_mass": (added + added.T) / 2,
         "radiation_damping": (damping + damping.T) / 2,
         "asymmetry": np.abs(added - added.T).max() / np.abs(added).max(),
-        "excitation": np.conj(np.array(force).reshape(-1, 6)),
+        "excitation": np.conj(force),
     }
 
 
-def _total(result) -> dict:
+def _radiation_and_diffraction(body, waves, omega, depth, settings, solver):
+    """Return added mass, damping and excitation (e^{-i omega t}) of one frequency: all right-hand sides in one solution."""
     from capytaine.bem.airy_waves import froude_krylov_force
 
-    incident = froude_krylov_force(result.problem)
-    return {dof: result.forces[dof] + incident[dof] for dof in DOFS}
+    panels, wet = body.mesh_including_lid, body.hull_mask
+    motion = np.stack([np.sum(_motion(body, dof) * body.mesh.faces_normals, axis=1) for dof in DOFS], axis=1)
+    condition = np.zeros((panels.nb_faces, 6 + len(waves)), dtype=complex)
+    condition[wet, :6] = motion
+    for k, wave in enumerate(waves):
+        condition[:, 6 + k] = wave.boundary_condition
+    matrices = solver.engine.build_matrices(
+        panels, panels, free_surface=0.0, water_depth=depth, wavenumber=_wavenumber(omega, depth, settings.gravity),
+        adjoint_double_layer=settings.method == "indirect",
+    )  # fmt: skip
+    potential = _potential(*matrices, condition, settings.method)[wet]
+    forces = -1j * omega * settings.density * (motion * body.mesh.faces_areas[:, None]).T @ potential
+    incident = [[froude_krylov_force(wave)[dof] for dof in DOFS] for wave in waves]
+    excitation = forces[:, 6:].T + np.array(incident).reshape(-1, 6)
+    return forces[:, :6].imag / omega, -forces[:, :6].real, excitation
+
+
+def _wavenumber(omega: float, depth: float, gravity: float) -> float:
+    from model.environment.airy import wavenumber
+
+    return omega**2 / gravity if np.isinf(depth) else float(np.asarray(wavenumber(np.array([omega]), depth, gravity))[0])
+
+
+def _motion(body, dof: str) -> np.ndarray:
+    shape = body.dofs[dof]
+    return shape.evaluate_motion(body.mesh) if hasattr(shape, "evaluate_motion") else shape
+
+
+def _potential(single, double, condition: np.ndarray, method: str) -> np.ndarray:
+    """Return the potential (p, k) on the panels of Capytaine's influence matrices for normal velocities (p, k).
+
+    Symmetric hulls have block-circulant matrices; a discrete Fourier transform over the copies makes them block-diagonal.
+    """
+    if isinstance(single, np.ndarray):
+        single, double, shape = single[None], double[None], (1,)
+    else:
+        shape = (2, 2) if single.nb_blocks == 4 else (2,) if single.nb_blocks == 2 else (3,)
+        single, double = (np.array(m.block_diagonalize().blocks) for m in (single, double))
+    axes = tuple(range(len(shape)))
+    known = np.fft.fftn(condition.reshape(*shape, -1, condition.shape[1]), axes=axes).reshape(len(single), -1, condition.shape[1])
+    if method == "direct":
+        found = np.linalg.solve(double, single @ known)
+    else:
+        found = single @ np.linalg.solve(double, known)
+    back = np.fft.ifftn(found.reshape(*shape, -1, condition.shape[1]), axes=axes)
+    return back.reshape(condition.shape)

@@ -27,9 +27,9 @@ class DatabasePlan:
     scaled frequencies s; headings [rad]; panels (numbers along column, plate top, plate side, bottom; around; central column).
     """
 
-    diameter: tuple[float, float, int] = (14.0, 20.0, 5)
-    radius: tuple[float, float, int] = (30.0, 45.0, 5)
-    draft: tuple[float, float, int] = (20.0, 32.0, 4)
+    diameter: tuple[float, float, int] = (14.0, 20.0, 4)
+    radius: tuple[float, float, int] = (30.0, 45.0, 6)
+    draft: tuple[float, float, int] = (20.0, 32.0, 5)
     depths: tuple[float, ...] = (200.0, np.inf, 370.0)
     scaled_frequency: tuple[float, ...] = tuple(np.round(np.r_[np.arange(1, 35) * 0.1, 3.4 + np.arange(1, 9) * 0.15], 3))
     headings_deg: tuple[float, ...] = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0)

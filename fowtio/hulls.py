@@ -13,14 +13,14 @@ QUARTER = (0.0, np.pi / 2)
 
 def semi_mesh(
     diameter: float, radius: float, draft: float, *, plate_diameter: float | None = None, plate_thickness: float = 6.0,
-    central_diameter: float = 8.3, central_draft: float | None = None, size: float = 6.0, around: int = 12, refine: int = 1,
+    central_diameter: float = 8.3, central_draft: float | None = None, size=6.0, around: int = 12, refine: int = 1,
     members=(),
 ) -> HullMesh:  # fmt: skip
     """Return the mesh of a three-column semisubmersible with heave plates and a central column, one column at -x.
 
     Column diameter, radius of the platform (axis to column axis), draft, heave plate diameter (twice the column's when not
-    given) and thickness, central column's diameter and draft [m]; panels of `size` [m] along the profile and `around` on a
-    circle, both divided by `refine`. members: pontoons and braces (start (3), end (3), diameter) of one sixth of the hull
+    given) and thickness, central column's diameter and draft [m]; panels of `size` [m] along the profile (or their
+    numbers along column, plate top, plate side and bottom) and `around` on a circle, both divided by `refine`. members: pontoons and braces (start (3), end (3), diameter) of one sixth of the hull
     (see `semi_braces`). Three-fold and mirror symmetry.
     """
     r, plate = diameter / 2, (2 * diameter if plate_diameter is None else plate_diameter) / 2
@@ -28,14 +28,16 @@ def semi_mesh(
     column = [(r, 0.0), (r, top), (plate, top), (plate, -draft), (0.0, -draft)]
     deep = -(draft if central_draft is None else central_draft)
     middle = [(central_diameter / 2, 0.0), (central_diameter / 2, deep), (0.0, deep)]
-    inner_around = 6 * max(1, round(np.pi * central_diameter / size / 6))
+    rings, inner, inner_around = 2, (size[0], 1) if not np.isscalar(size) else size, 6
+    if np.isscalar(size):
+        rings, inner_around = max(1, round(r / size)), 6 * max(1, round(np.pi * central_diameter / size / 6))
     parts = [
         revolved(column, size, around, refine=refine, centre=centre, sector=HALF),
-        revolved(middle, size, inner_around, refine=refine, sector=SIXTH),
+        revolved(middle, inner, inner_around, refine=refine, sector=SIXTH),
     ]
     parts += [_member(m, refine) for m in members]
     lid = [
-        lid_disc(r, max(1, round(r / size)), around, refine=refine, centre=centre, sector=HALF),
+        lid_disc(r, rings, around, refine=refine, centre=centre, sector=HALF),
         lid_disc(central_diameter / 2, 1, inner_around, refine=refine, sector=SIXTH),
     ]
     return HullMesh(part=np.concatenate(parts), lid=np.concatenate(lid), symmetry="three-fold xz")

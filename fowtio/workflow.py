@@ -36,8 +36,8 @@ from model.system.contributions import (
 from model.system.hydro import HydroCoefficients, headings_cover
 from model.system.identified import SecondOrder, has_load_inputs, second_order
 from model.system.linearisation import Linearisation
-from model.system.tower import TOWER_MODES
-from model.system.turbine import TurbineMatrices, TurbineStructure, gradient_forces, structural_matrices
+from model.system.tower import TOWER_MODES, top_place, tower_modes
+from model.system.turbine import TurbineMatrices, TurbineStructure, gradient_forces, head_motion, structural_matrices
 
 SAME_SPEED = 0.05  # m/s
 
@@ -254,10 +254,13 @@ def _linearised_turbine(
     structure = made_by.elastodyn.structure
     try:
         mass = _given_mass(entry, records[0], made_by)
-        found = second_order(records, structure.tower.top_height, mass, structure.rotor.blades)
+        found = second_order(records, _top_place(structure, records), mass, structure.rotor.blades)
         held = _contained(found, made_by)
         rigid = _rigid_mass(made_by, found.dofs, found.point)
-        turbine = turbine_of_linearisation(found, held, gravity=made_by.gravity, source=_span(entry.files), rigid_mass=rigid)
+        turbine = turbine_of_linearisation(
+            found, held, gravity=made_by.gravity, source=_span(entry.files), rigid_mass=rigid,
+            hub_motion=_hub_motion(structure, found.dofs),
+        )  # fmt: skip
         if dofs is not None:
             keep = [d for d in turbine.dofs if d in dofs or d in PLATFORM_DOFS + TOWER_MODES]
             turbine = condense(turbine, keep)
@@ -310,6 +313,23 @@ def _given_mass(entry: LinearisationEntry, record: Linearisation, made_by: Deck)
     if made_by.hydrodyn is not None and made_by.hydrodyn.potential_flow:
         mass = mass + widen(added_mass_contribution(deck_hydro(made_by), ""), dofs).mass
     return mass
+
+
+def _top_place(structure: TurbineStructure, records: Sequence[Linearisation]) -> np.ndarray:
+    """Return the place (3) of the tower top at the operating point of linearisation records."""
+    first = records[0]
+    modes = tuple(d for d, rate in zip(first.state_dof, first.state_rate, strict=True) if d in TOWER_MODES and not rate)
+    bent = np.mean([[r.state_point[r.state_dof.index(m)] for m in modes] for r in records], axis=0)
+    return top_place(structure.tower, modes, bent)
+
+
+def _hub_motion(structure: TurbineStructure, dofs: Sequence[str]) -> np.ndarray:
+    """Return the hub's translation (3, r) in those of the degrees of freedom that are platform motions or tower modes."""
+    rigid = [d for d in dofs if d in PLATFORM_DOFS + TOWER_MODES]
+    modes = tuple(d for d in rigid if d in TOWER_MODES)
+    motion = head_motion(structure.tower.top_height, tower_modes(structure.tower, modes), structure.rotor.apex)[:3]
+    known = PLATFORM_DOFS + modes
+    return motion[:, [known.index(d) for d in rigid]]
 
 
 def _rigid_mass(made_by: Deck, dofs: Sequence[str], point: np.ndarray) -> np.ndarray:

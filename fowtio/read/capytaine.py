@@ -1,8 +1,8 @@
 """Capytaine's netCDF results: labelled arrays with dimensions, convention e^{-i omega t}.
 
-Source of the format: Capytaine's documentation, versions 1.5 to 3 (data sets of `assemble_dataset`). Complex numbers are a
-dimension "re", "im" (separate_complex_values); added mass and damping are labelled by radiating and influenced DoF;
-the excitation is Froude-Krylov plus diffraction. The wave's crest is at the origin, moments are about rotation_center.
+Source of the format: Capytaine's documentation, versions 1.5 to 3 (data sets of `assemble_dataset`). Complex numbers
+are a dimension "re", "im" (separate_complex_values); added mass and damping are labelled by radiating and influenced
+DoF; the excitation is Froude-Krylov plus diffraction. The crest is at the origin, moments are about rotation_center.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ def _six(path, own: dict[str, str], name: str) -> list[str]:
 
 
 def _excitation(path, data: xr.Dataset, frequency: str, labels: list[str]) -> np.ndarray | None:
-    """Return the excitation (m, n, 6) as the file has it, e^{-i omega t}; the sum of its parts where it is not there."""
+    """Return the excitation (m, n, 6) as the file has it, e^{-i omega t}, or the sum of its parts."""
     parts = [_complex(data[n], frequency, labels) for n in ("Froude_Krylov_force", "diffraction_force") if n in data]
     total = _complex(data["excitation_force"], frequency, labels) if "excitation_force" in data else None
     if total is None and len(parts) < 2:

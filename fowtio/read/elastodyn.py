@@ -85,8 +85,11 @@ def _tower(deck: InputFile, tower: InputFile) -> Tower:
     for group, row in zip(groups, modes, strict=True):
         if abs(row.sum() - 1) > 1e-3:
             raise FormatError(
-                tower.path, tower.line(f"{group}(2)"), expected=f"coefficients of {group} that sum to 1", found=f"{row.sum():g}"
-            )  # fmt: skip
+                tower.path,
+                tower.line(f"{group}(2)"),
+                expected=f"coefficients of {group} that sum to 1",
+                found=f"{row.sum():g}",
+            )
     damping = [tower.number(f"Twr{d}Dmp({k})") / 100 for d in ("FA", "SS") for k in (1, 2)]
     tuner = [tower.number(f"{d}StTunr({k})", 1.0) for d in ("FA", "SS") for k in (1, 2)]
     return Tower(
@@ -132,9 +135,11 @@ def _nacelle(deck: InputFile) -> RigidBody:
     yaw = deck.number("NacYIner") - mass * (centre[0] ** 2 + centre[1] ** 2)
     if yaw < 0:
         raise FormatError(
-            deck.path, deck.line("NacYIner"), expected=f"at least {deck.number('NacYIner') - yaw:.4g} (mass times offset squared)",
+            deck.path,
+            deck.line("NacYIner"),
+            expected=f"at least {deck.number('NacYIner') - yaw:.4g} (mass times offset squared)",
             found=deck.text("NacYIner"),
-        )  # fmt: skip
+        )
     total = mass + bearing
     joint = mass * centre / total if total > 0 else centre
     spread = mass * (centre - joint)[:, None] * (centre - joint) + bearing * joint[:, None] * joint

@@ -19,9 +19,13 @@ from fowtio.read.text import number, numbers, read_lines
 from model.system.linearisation import Linearisation
 
 _COUNTS = {
-    "azimuths": "Number of equally-sp", "order": "Order of linearized model", "dofs": "Number of active (enabled) DOFs",
-    "controls": "Number of control inputs", "winds": "Number of input wind disturbances", "outputs": "Number of output measurements",
-}  # fmt: skip
+    "azimuths": "Number of equally-sp",
+    "order": "Order of linearized model",
+    "dofs": "Number of active (enabled) DOFs",
+    "controls": "Number of control inputs",
+    "winds": "Number of input wind disturbances",
+    "outputs": "Number of output measurements",
+}
 _LISTS = {
     "dofs": ("Order of States in Linearized State Matrices", "Row/column"),
     "controls": ("Order of Control Inputs in Linearized State Matrices", "Column"),
@@ -50,8 +54,12 @@ def read_fast7_lin(path: str | Path) -> tuple[Linearisation, ...]:
     starts = [i for i, line in enumerate(lines) if _AZIMUTH.search(line)]
     if len(starts) != counts["azimuths"]:
         raise FormatError(
-            path, len(lines), expected=f"{counts['azimuths']} azimuths", found=str(len(starts)), hint="Is the file complete?"
-        )  # fmt: skip
+            path,
+            len(lines),
+            expected=f"{counts['azimuths']} azimuths",
+            found=str(len(starts)),
+            hint="Is the file complete?",
+        )
     return tuple(_record(path, lines, start, counts, names, number(speed)) for start in starts)
 
 
@@ -176,16 +184,28 @@ def _linearisation(path, model, names, title, speed, q) -> Linearisation:
     inputs = names["controls"] + names["winds"]
     turns = ["blade" in name.lower() for name in dofs]
     return Linearisation(
-        A=model["A"], B=model["B"], C=model["C"], D=model["D"],
+        A=model["A"],
+        B=model["B"],
+        C=model["C"],
+        D=model["D"],
         state_names=dofs + tuple(f"First time derivative of {name}" for name in dofs),
-        input_names=tuple(name for name, _ in inputs), output_names=tuple(name for name, _ in names["outputs"]),
-        state_point=model["point"], input_point=tuple(value for _, value in inputs), output_point=tuple(model["output"]),
-        state_rotating=turns * 2, input_rotating=["pitch of blade" in name for name, _ in inputs],
-        output_rotating=[False] * len(names["outputs"]), state_order=[2] * (2 * q),
-        state_dof=tuple(state_dof(name) for name in dofs) * 2, state_rate=[False] * q + [True] * q,
-        azimuth=float(np.radians(number(title[1]) - number(title[2]))) % (2 * np.pi), rotor_speed=speed, modules=("FAST v7",),
-        source=str(path), jacobians=model["jacobians"],
-    )  # fmt: skip
+        input_names=tuple(name for name, _ in inputs),
+        output_names=tuple(name for name, _ in names["outputs"]),
+        state_point=model["point"],
+        input_point=tuple(value for _, value in inputs),
+        output_point=tuple(model["output"]),
+        state_rotating=turns * 2,
+        input_rotating=["pitch of blade" in name for name, _ in inputs],
+        output_rotating=[False] * len(names["outputs"]),
+        state_order=[2] * (2 * q),
+        state_dof=tuple(state_dof(name) for name in dofs) * 2,
+        state_rate=[False] * q + [True] * q,
+        azimuth=float(np.radians(number(title[1]) - number(title[2]))) % (2 * np.pi),
+        rotor_speed=speed,
+        modules=("FAST v7",),
+        source=str(path),
+        jacobians=model["jacobians"],
+    )
 
 
 def _recognises(path, head: bytes) -> bool:

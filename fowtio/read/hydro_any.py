@@ -6,7 +6,8 @@ from inspect import signature
 from pathlib import Path
 
 from fowtio.errors import FormatError
-from fowtio.read.aqwa import AQWA_AH1, AQWA_LIS
+from fowtio.read.aqwa import AQWA_AH1
+from fowtio.read.aqwa_lis import AQWA_LIS
 from fowtio.read.capytaine import CAPYTAINE
 from fowtio.read.nemoh import NEMOH
 from fowtio.read.orcaflex import ORCAFLEX
@@ -23,9 +24,9 @@ def read_hydro(path: str | Path, **options) -> HydroCoefficients:
     """Return the hydrodynamic coefficients of a file, folder or stem, dimensional and about the origin.
 
     path of a WAMIT set (its stem or .1, .3, .hst) or .out, an AQWA .AH1 or .LIS, a Capytaine netCDF, a Nemoh folder or
-    an OrcaFlex .yml; options go to the format's own reader: `body` for all; `density` for WAMIT, and `length`, `gravity`,
-    `depth`, `frequency`, `weight` for a WAMIT set. The other formats carry their water themselves; an option that a format
-    does not know, or a file that is none of these, raises FormatError.
+    an OrcaFlex .yml; options go to the format's own reader: `body` for all; `density` for WAMIT, and `length`,
+    `gravity`, `depth`, `frequency`, `weight` for a WAMIT set. The other formats carry their water themselves; an option
+    that a format does not know, or a file that is none of these, raises FormatError.
     """
     path = Path(path)
     read, name = _reader(path)

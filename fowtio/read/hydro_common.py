@@ -1,4 +1,4 @@
-"""What the readers of hydrodynamic coefficients share: fast number tables, phase references, sanity checks, a description."""
+"""What the readers of hydrodynamic coefficients share: number tables, phase references, checks, a description."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ def number_table(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the numbers (rows, widest) of consecutive table lines and their line numbers (rows).
 
-    Blank lines are passed over; a row shorter than the widest ends in NaN. first is the line number (from 1) of lines[0],
-    widths the allowed numbers of columns, what names a row in the message. Raises FormatError at the first bad line.
+    Blank lines are passed over; a row shorter than the widest ends in NaN. first is the line number (from 1) of
+    lines[0], widths the allowed numbers of columns, what names a row in the message. Raises FormatError at the
+    first bad line.
     """
     tokens = [line.split() for line in lines]
     count = np.fromiter(map(len, tokens), dtype=int, count=len(tokens))
@@ -96,7 +97,7 @@ def stiffness_about(stiffness, centre, point, displaced_weight: float) -> np.nda
 
 
 def without_weight(stiffness, mass: float, centre, point, gravity: float) -> np.ndarray:
-    """Return the buoyancy part of a hydrostatic stiffness (6, 6) about `point` that includes the weight of a mass at `centre`."""
+    """Return a hydrostatic stiffness (6, 6) about `point` without the share of the weight of a mass at `centre`."""
     return np.asarray(stiffness) - weight_stiffness(
         mass, np.asarray(centre, dtype=float) - np.asarray(point, dtype=float), gravity
     )
@@ -135,7 +136,8 @@ def check_damping(path, damping: np.ndarray, omega: np.ndarray) -> None:
         n, mode = np.argwhere(wrong)[0]
         raise FormatError(
             path, expected=f"a radiation damping in {PLATFORM_DOFS[mode]} that is not negative",
-            found=f"{diagonal[n, mode]:.4g} at {omega[n]:.4g} rad/s", hint="Is the sign or the column order that of this format?",
+            found=f"{diagonal[n, mode]:.4g} at {omega[n]:.4g} rad/s",
+            hint="Is the sign or the column order that of this format?",
         )  # fmt: skip
 
 
@@ -160,7 +162,7 @@ def check_mirror(path, values: np.ndarray, omega: np.ndarray, what: str) -> None
 
 
 def choose_body(path, wanted, names: Sequence, what: str = "body") -> int:
-    """Return the place (from 0) of the wanted body among names (a name, or a number from 1); the only one by default."""
+    """Return the place (from 0) of the wanted body (a name, or a number from 1); by default of the only one."""
     names = [str(name) for name in names]
     listing = ", ".join(f"{k + 1}: {name}" if name != str(k + 1) else name for k, name in enumerate(names))
     if wanted is None:

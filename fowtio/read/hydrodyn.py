@@ -41,9 +41,17 @@ class Members:
 
     def __post_init__(self):
         freeze(
-            self, start=("m", 3), end=("m", 3), diameter=("m", 2), drag_coefficient=("m", 2), potential=("m",), thickness=("m", 2),
-            plate_position=("p", 3), plate_area=("p", 3), plate_coefficient=("p",),
-        )  # fmt: skip
+            self,
+            start=("m", 3),
+            end=("m", 3),
+            diameter=("m", 2),
+            drag_coefficient=("m", 2),
+            potential=("m",),
+            thickness=("m", 2),
+            plate_position=("p", 3),
+            plate_area=("p", 3),
+            plate_coefficient=("p",),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,9 +156,15 @@ def drag_members(members: Members, density: float, *, water_level: float = 0.0) 
     wet = (area > 1e-9) & (members.plate_position[:, 2] <= water_level)
     axis = members.plate_area[wet] / area[wet, None]
     parts.append(
-        (members.plate_position[wet], axis, density / 4 * members.plate_coefficient[wet] * area[wet], np.ones(wet.sum()),
-         np.sqrt(4 / np.pi * area[wet]), np.zeros(wet.sum()))
-    )  # fmt: skip
+        (
+            members.plate_position[wet],
+            axis,
+            density / 4 * members.plate_coefficient[wet] * area[wet],
+            np.ones(wet.sum()),
+            np.sqrt(4 / np.pi * area[wet]),
+            np.zeros(wet.sum()),
+        )
+    )
     position, axis, factor, axial, diameter, length = (np.concatenate(column) for column in zip(*parts, strict=True))
     keep = factor > 0
     if not keep.any():
@@ -279,9 +293,12 @@ def _refuse_what_is_not_modelled(deck: InputFile) -> None:
     if growth is not None and len(growth) and np.any(growth.numbers("MGThck") != 0):
         at = int(np.argmax(growth.numbers("MGThck") != 0))
         raise FormatError(
-            deck.path, growth.numbers_of_lines[at], expected="members without marine growth (MGThck 0)", found=" ".join(growth.rows[at]),
+            deck.path,
+            growth.numbers_of_lines[at],
+            expected="members without marine growth (MGThck 0)",
+            found=" ".join(growth.rows[at]),
             hint="Put the thicker diameter and its coefficients in the tables of members, and the mass in ElastoDyn",
-        )  # fmt: skip
+        )
 
 
 def _notes(deck: InputFile) -> tuple[str, ...]:
@@ -317,8 +334,11 @@ def _fillings(deck: InputFile, members: Members) -> tuple[Filling, ...]:
             )
         except ValueError:
             raise FormatError(
-                deck.path, line, expected="number of members, their numbers, filling level, density", found=" ".join(row)
-            ) from None  # fmt: skip
+                deck.path,
+                line,
+                expected="number of members, their numbers, filling level, density",
+                found=" ".join(row),
+            ) from None
         used = [i for f in out for i in f.members]
         for k, name in enumerate(names):
             if name not in index or index[name] in used or name in names[:k]:

@@ -36,9 +36,12 @@ def read_inflowwind(path: str | Path) -> InflowWind:
         raise FormatError(deck.path, deck.line("WindType"), expected=f"a WindType of {known}", found=str(kind))
     turbsim = deck.path.parent / _turbsim_file(deck).replace("\\", "/") if kind == _TURBSIM else None
     return InflowWind(
-        path=deck.path, kind=_KINDS[kind], speed=deck.number("HWindSpeed") if kind == _STEADY else None, turbsim=turbsim,
+        path=deck.path,
+        kind=_KINDS[kind],
+        speed=deck.number("HWindSpeed") if kind == _STEADY else None,
+        turbsim=turbsim,
         direction=deck.number("PropagationDir", 0.0),
-    )  # fmt: skip
+    )
 
 
 def _turbsim_file(deck: InputFile) -> str:

@@ -115,8 +115,12 @@ def _node(path: Path, i: int, row: list[str], depth: float) -> tuple:
         )
     if kind == "vessel" and (extra[0] or extra[1]):
         raise FormatError(
-            path, i, expected="mass 0 and volume 0 of a Vessel node", found=" ".join(row[5:7]), hint="Count them in the platform's mass",
-        )  # fmt: skip
+            path,
+            i,
+            expected="mass 0 and volume 0 of a Vessel node",
+            found=" ".join(row[5:7]),
+            hint="Count them in the platform's mass",
+        )
     return kind, np.array(place), extra[0], extra[1], np.array(extra[2:5]) * (kind == "connect")
 
 
@@ -174,9 +178,15 @@ def _repeated(points, ids, lines, angles, depth, gravity, density) -> MooringSys
         line_names=tuple(str(k * len(lines) + j + 1) for k in copies for j in range(len(lines))),
         end_a=np.concatenate([np.array(columns[1]) + k * n for k in copies]),
         end_b=np.concatenate([np.array(columns[2]) + k * n for k in copies]),
-        length=tiled(3), mass_per_length=tiled(4), diameter=tiled(5), axial_stiffness=tiled(6), seabed_friction=tiled(7),
-        depth=depth, gravity=gravity, density=density,
-    )  # fmt: skip
+        length=tiled(3),
+        mass_per_length=tiled(4),
+        diameter=tiled(5),
+        axial_stiffness=tiled(6),
+        seabed_friction=tiled(7),
+        depth=depth,
+        gravity=gravity,
+        density=density,
+    )
 
 
 def _number(path: Path, line: int, text: str) -> float:
@@ -196,9 +206,12 @@ def _describe(file: MapFile) -> list[tuple[str, str]]:
     return [
         ("line types", ", ".join(row[0] for _, row in file.rows["dictionary"])),
         ("nodes", ", ".join(f"{n} {kind}" for kind, n in kinds.items())),
-        ("lines", f"{len(file.rows['lines'])}, repeated at {', '.join(f'{a:g}' for a in file.repeat) or 'no'} deg (clockwise)"),
+        (
+            "lines",
+            f"{len(file.rows['lines'])}, repeated at {', '.join(f'{a:g}' for a in file.repeat) or 'no'} deg (clockwise)",
+        ),
         ("water", "depth, density and gravity come from the deck"),
-    ]  # fmt: skip
+    ]
 
 
 MAP = Format(name="MAP++ input file", recognises=_recognises, read=read_map, describe=_describe)

@@ -14,14 +14,28 @@ import numpy as np
 
 from fowtio.errors import FormatError
 from fowtio.read.metocean_columns import HEADINGS, QUANTITIES, direction_sense, quantities_of, split_heading
+from fowtio.read.metocean_time import TIME_PARTS, is_time, time_parts, times
 from fowtio.read.registry import Format, head_lines, span
 from fowtio.read.text import read_bytes, read_lines
 
 _MISSING_TEXT = {"", "nan", "na", "n/a", "null", "none", "-", "--", "mm", "nat"}
-SENTINELS = (-999.0, -9999.0, -99.0, -999.9, -9999.9, -32767.0, -32768.0, 99.0, 999.0, 9999.0, 99.9, 999.9, 9999.9, 1e20, 9.969209968386869e36)
-_TIME_NAMES = ("time", "date", "datetime", "timestamp", "date time", "valid time", "time utc", "zeit")
-_PARTS = {"year": ("year", "yyyy", "yy", "yr"), "month": ("month", "mm", "mo", "mon"), "day": ("day", "dd", "dy"), "hour": ("hour", "hh", "hr"),
-          "minute": ("minute", "mn", "min", "mm")}  # fmt: skip
+SENTINELS = (
+    -999.0,
+    -9999.0,
+    -99.0,
+    -999.9,
+    -9999.9,
+    -32767.0,
+    -32768.0,
+    99.0,
+    999.0,
+    9999.0,
+    99.9,
+    999.9,
+    9999.9,
+    1e20,
+    9.969209968386869e36,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +66,9 @@ class MetoceanReport:
     def clean(self) -> bool:
         """Whether nothing at all was wrong."""
         counts = (self.bad_times, self.duplicates, self.conflicting, self.unsorted, self.gaps)
-        return not any(counts) and not any(n for m in (self.missing, self.sentinel, self.out_of_range, self.unreadable) for n in m.values())
+        return not any(counts) and not any(
+            n for m in (self.missing, self.sentinel, self.out_of_range, self.unreadable) for n in m.values()
+        )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -117,10 +133,10 @@ def read_metocean(
     path = Path(path)
     table, attributes = _table(path)
     given = dict(columns or {})
-    clock = set() if "time" in given else set(_time_parts(table).values())
+    clock = set() if "time" in given else set(time_parts(table).values())
     names = _chosen(path, [h for h in table if h not in clock], given)
     count = _Count()
-    time = _times(path, table, given.get("time"), time_zone, day_first, count)
+    time = times(path, table, given.get("time"), time_zone, day_first, count.notes)
     values, used = {}, []
     for quantity, heading in names.items():
         unit, factor = _unit(path, quantity, heading, (units or {}).get(quantity) or attributes.get(heading, ""))
@@ -131,7 +147,9 @@ def read_metocean(
         if quantity in values:
             sense = direction or direction_sense(names[quantity])
             if not sense:
-                count.notes.append(f"{names[quantity]}: taken as the direction it comes from; say direction='to' if not")
+                count.notes.append(
+                    f"{names[quantity]}: taken as the direction it comes from; say direction='to' if not"
+                )
             bearing = np.degrees(values[quantity]) + (0.0 if sense == "to" else 180.0)
             values[quantity] = np.radians((x_bearing - bearing) % 360)
     return _ordered(path, time, values, tuple(used), count, len(table))
@@ -161,7 +179,9 @@ def _text(path: Path):
     separator = next((s for s in ("\t", ";", ",") if s in lines[start]), None)
     headings = _split(lines[start].lstrip("# "), separator)
     body = start + 1
-    while body < len(lines) and (lines[body].startswith("#") or not re.search(r"\d", lines[body])) and lines[body].strip():
+    while (
+        body < len(lines) and (lines[body].startswith("#") or not re.search(r"\d", lines[body])) and lines[body].strip()
+    ):
         body += 1
     rows = []
     for i, line in enumerate(lines[body:], start=body + 1):
@@ -185,7 +205,7 @@ def _is_heading(line: str) -> bool:
     """Tell whether a line has two words or more that are no numbers and mean a time or a quantity."""
     separator = next((s for s in ("\t", ";", ",") if s in line), None)
     parts = _split(line.lstrip("# "), separator)
-    known = [p for p in parts if quantities_of(p) or _is_time(p) or split_heading(p)[0] in _PARTS["year"]]
+    known = [p for p in parts if quantities_of(p) or is_time(p) or split_heading(p)[0] in TIME_PARTS["year"]]
     return len(parts) > 1 and bool(known) and not re.match(r"\s*[-+]?\d", line.lstrip("#"))
 
 
@@ -214,13 +234,15 @@ def _netcdf(path: Path) -> tuple:
             data = source.load().squeeze(drop=True)
     except Exception as error:  # the back ends raise errors of many kinds for damaged files
         raise FormatError(path, expected="a readable netCDF file", found=str(error)) from None
-    time = next((n for n in data.variables if _is_time(n) or data[n].dtype.kind == "M"), None)
+    time = next((n for n in data.variables if is_time(n) or data[n].dtype.kind == "M"), None)
     if time is None:
         raise FormatError(path, expected="a variable of time", found=", ".join(map(str, data.variables)))
     wide = [str(n) for n in data.data_vars if data[n].ndim > 1 and quantities_of(str(n))]
     if wide:
         dims = ", ".join(f"{d} ({s})" for d, s in data.sizes.items())
-        raise FormatError(path, expected="one place", found=f"{', '.join(wide)} over {dims}", hint="Select one point first")
+        raise FormatError(
+            path, expected="one place", found=f"{', '.join(wide)} over {dims}", hint="Select one point first"
+        )
     keep = [n for n in data.data_vars if data[n].dims == data[time].dims and n != time]
     units = {str(n): str(data[n].attrs.get("units", "")).lower() for n in keep}
     table = data[[*keep]].to_dataframe().reset_index().rename(columns=str)
@@ -246,11 +268,15 @@ def _chosen(path: Path, headings: list[str], given: dict[str, str]) -> dict[str,
         found = [h for h in found if len(quantities_of(h)) == 1] or found
         if len(found) > 1:
             hint = f"Choose one: columns={{{quantity!r}: {found[0]!r}}}"
-            raise FormatError(path, expected=f"one column of {QUANTITIES[quantity].what}", found=", ".join(found), hint=hint)
+            raise FormatError(
+                path, expected=f"one column of {QUANTITIES[quantity].what}", found=", ".join(found), hint=hint
+            )
         if found and found[0] not in out.values():
             out[quantity] = found[0]
     if not out:
-        raise FormatError(path, expected="columns of wind or waves", found=", ".join(headings), hint="Name them with columns={...}")
+        raise FormatError(
+            path, expected="columns of wind or waves", found=", ".join(headings), hint="Name them with columns={...}"
+        )
     return out
 
 
@@ -261,7 +287,9 @@ def _unit(path: Path, quantity: str, heading: str, given: str) -> tuple[str, flo
     if not unit or unit in ("-", "1"):
         unit = "deg" if quantity in HEADINGS else next(iter(known))
     if unit not in known:
-        raise FormatError(path, expected=f"a unit of {quantity}: {', '.join(known)}", found=unit, hint="Give it with units={...}")
+        raise FormatError(
+            path, expected=f"a unit of {quantity}: {', '.join(known)}", found=unit, hint="Give it with units={...}"
+        )
     return unit, known[unit]
 
 
@@ -277,7 +305,9 @@ def _numbers(column, quantity: str, count: _Count) -> np.ndarray:
     return np.where(bad, np.nan, values)
 
 
-def _believable(raw: np.ndarray, factor: float, quantity: str, sentinels: tuple[float, ...], count: _Count) -> np.ndarray:
+def _believable(
+    raw: np.ndarray, factor: float, quantity: str, sentinels: tuple[float, ...], count: _Count
+) -> np.ndarray:
     """Return values in SI; sentinels and what is out of the believable range are NaN and counted."""
     q = QUANTITIES[quantity]
     values = raw * factor
@@ -286,93 +316,6 @@ def _believable(raw: np.ndarray, factor: float, quantity: str, sentinels: tuple[
     count.sentinel[quantity] = int(sentinel.sum())
     count.out_of_range[quantity] = int((outside & ~sentinel).sum())
     return np.where(outside, np.nan, values)
-
-
-# --- time ---------------------------------------------------------------------------------------------------------------
-
-
-def _is_time(heading: str) -> bool:
-    name = split_heading(heading)[0]
-    return name in _TIME_NAMES or name.startswith(("time", "date"))
-
-
-def _times(path: Path, table, given: str | None, zone: str, day_first: bool | None, count: _Count) -> np.ndarray:
-    """Return the times (n) of the rows as datetime64[ns] in UTC, NaT where they cannot be read."""
-    import pandas as pd
-
-    parts = _time_parts(table)
-    if given is None and "year" in parts:
-        frame = pd.DataFrame({k: pd.to_numeric(table[h], errors="coerce") for k, h in parts.items()})
-        frame["year"] = frame["year"].where(frame["year"] > 99, frame["year"] + np.where(frame["year"] < 70, 2000, 1900))
-        stamps = pd.to_datetime(frame, errors="coerce")
-    else:
-        found = [h for h in table if _is_time(h)]
-        heading = given or (found[0] if found else None)
-        if heading is None:
-            raise FormatError(path, expected="a column of time", found=", ".join(table), hint="Name it with columns={'time': ...}")
-        stamps = _stamps(path, table[heading], day_first, count)
-    if getattr(stamps.dtype, "tz", None) is None:
-        try:
-            local = stamps.dt.tz_localize(zone, ambiguous="NaT", nonexistent="NaT")
-        except Exception as error:  # pandas passes on the errors of the library of time zones
-            raise FormatError(path, expected="a time zone such as 'UTC' or 'Europe/Oslo'", found=zone, hint=str(error)) from None
-    else:
-        local = stamps
-    return local.dt.tz_convert("UTC").dt.tz_localize(None).to_numpy(dtype="datetime64[ns]")
-
-
-def _time_parts(table) -> dict[str, str]:
-    """Return the headings of year, month, day, hour and minute where the file has a column for each."""
-    plain = {}
-    for heading in table:
-        plain.setdefault(heading.strip("# "), heading)
-    exact = {"YY": "year", "YYYY": "year", "MM": "month", "DD": "day", "hh": "hour", "mm": "minute"}
-    out = {part: plain[name] for name, part in exact.items() if name in plain}
-    if {"year", "month", "day"} <= set(out):
-        return out
-    lower = {split_heading(h)[0]: h for h in table}
-    out = {part: next((lower[n] for n in names if n in lower), None) for part, names in _PARTS.items()}
-    return {k: v for k, v in out.items() if v is not None} if out["year"] and out["month"] and out["day"] else {}
-
-
-def _stamps(path: Path, column, day_first: bool | None, count: _Count):
-    """Return a column of times as pandas timestamps."""
-    import pandas as pd
-
-    if column.dtype.kind == "M" or not all(isinstance(t, str) for t in column.head(20)):
-        stamps = pd.to_datetime(column, errors="coerce", utc=column.map(lambda t: getattr(t, "tzinfo", None) is not None).any())
-        if pd.api.types.is_numeric_dtype(pd.to_numeric(column, errors="coerce")) and column.dtype.kind in "if":
-            raise FormatError(path, expected="dates", found=f"numbers such as {column.iloc[0]}", hint="Write times as year-month-day hour:minute")
-        return stamps
-    text = column.str.strip()
-    first = text.iloc[0]
-    if re.fullmatch(r"-?\d+ days?.*", first):
-        count.notes.append("times count from 1970-01-01: the file gives durations")
-        return pd.Timestamp(0) + pd.to_timedelta(text, errors="coerce")
-    if re.fullmatch(r"\d{4}-\d{2}-\d{2}-\d{2}", first):
-        return pd.to_datetime(text, format="%Y-%m-%d-%H", errors="coerce")
-    if re.match(r"\d{1,2}[/.-]\d{1,2}[/.-]\d{2,4}", first):
-        return _day_and_month(path, text, day_first)
-    if re.fullmatch(r"[-+]?\d+(\.\d*)?", first) and len(first.split(".")[0]) not in (8, 10, 12, 14):
-        raise FormatError(path, expected="dates", found=f"numbers such as {first}", hint="Write times as year-month-day hour:minute")
-    form = {8: "%Y%m%d", 10: "%Y%m%d%H", 12: "%Y%m%d%H%M", 14: "%Y%m%d%H%M%S"}.get(len(first)) if first.isdigit() else "ISO8601"
-    zoned = text.str.contains(r"(?:Z|[+-]\d{2}:?\d{2})$").any()
-    return pd.to_datetime(text, format=form, errors="coerce", utc=bool(zoned))
-
-
-def _day_and_month(path: Path, text, day_first: bool | None):
-    """Return dates of the form 01/02/2020; raise FormatError where both readings are possible and none is chosen."""
-    import pandas as pd
-
-    if day_first is None:
-        first, second = (pd.to_numeric(text.str.split(r"[/.-]", regex=True).str[k], errors="coerce") for k in (0, 1))
-        if first.max() > 12:
-            day_first = True
-        elif second.max() > 12:
-            day_first = False
-        else:
-            raise FormatError(path, expected="dates that can be read in one way", found=text.iloc[0], hint="Say day_first=True or False")
-    return pd.to_datetime(text, dayfirst=day_first, errors="coerce", format="mixed")
 
 
 # --- order --------------------------------------------------------------------------------------------------------------
@@ -392,10 +335,21 @@ def _ordered(path: Path, time: np.ndarray, values: dict, used: tuple, count: _Co
     step = float(np.median(seconds)) if len(seconds) else 0.0
     holes = np.round(seconds / step).astype(int) - 1 if step > 0 else np.zeros(0, dtype=int)
     report = MetoceanReport(
-        rows=rows, columns=used, missing=count.missing, sentinel=count.sentinel, out_of_range=count.out_of_range,
-        unreadable=count.unreadable, bad_times=int(bad.sum()), duplicates=duplicates, conflicting=conflicting, unsorted=unsorted,
-        step=step, gaps=int(np.sum(holes > 0)), missing_steps=int(holes[holes > 0].sum()), notes=tuple(count.notes),
-    )  # fmt: skip
+        rows=rows,
+        columns=used,
+        missing=count.missing,
+        sentinel=count.sentinel,
+        out_of_range=count.out_of_range,
+        unreadable=count.unreadable,
+        bad_times=int(bad.sum()),
+        duplicates=duplicates,
+        conflicting=conflicting,
+        unsorted=unsorted,
+        step=step,
+        gaps=int(np.sum(holes > 0)),
+        missing_steps=int(holes[holes > 0].sum()),
+        notes=tuple(count.notes),
+    )
     for array in (time, *values.values()):
         array.setflags(write=False)
     return Metocean(time=time, values=values, report=report, source=str(path))
@@ -425,7 +379,9 @@ def _recognises(path, head: bytes) -> bool:
         if _is_heading(line):
             separator = next((s for s in ("\t", ";", ",") if s in line), None)
             parts = _split(line.lstrip("# "), separator)
-            return any(_is_time(p) or split_heading(p)[0] in _PARTS["year"] for p in parts) and any(quantities_of(p) for p in parts)
+            return any(is_time(p) or split_heading(p)[0] in TIME_PARTS["year"] for p in parts) and any(
+                quantities_of(p) for p in parts
+            )
     return False
 
 
@@ -435,13 +391,27 @@ def _describe(record: Metocean) -> list[tuple[str, str]]:
     rows = [("time", f"{first} to {last} UTC, {len(record.time)} steps of {r.step:g} s")]
     for quantity, heading, unit, factor in r.columns:
         values = record.values[quantity]
-        si = span(values, "deg", 180 / np.pi) if quantity in HEADINGS else span(values, next(iter(QUANTITIES[quantity].units)))
+        si = (
+            span(values, "deg", 180 / np.pi)
+            if quantity in HEADINGS
+            else span(values, next(iter(QUANTITIES[quantity].units)))
+        )
         wrong = {k: getattr(r, k)[quantity] for k in ("missing", "sentinel", "out_of_range", "unreadable")}
         counts = ", ".join(f"{n} {k.replace('_', ' ')}" for k, n in wrong.items() if n)
         rows.append((quantity, f"{si} (column {heading}, {unit} x {factor:.6g}){'; ' + counts if counts else ''}"))
-    rows.append(("rows", f"{r.rows} read, {r.duplicates} repeated, {r.conflicting} contradictory, {r.bad_times} without time, {r.unsorted} out of order"))
+    rows.append(
+        (
+            "rows",
+            f"{r.rows} read, {r.duplicates} repeated, {r.conflicting} contradictory, {r.bad_times} without time, {r.unsorted} out of order",
+        )
+    )
     rows.append(("gaps", f"{r.gaps}, {r.missing_steps} steps missing"))
     return rows + [("assumed", note) for note in r.notes]
 
 
-METOCEAN = Format(name="Metocean record (CSV, TSV, text, xlsx, netCDF)", recognises=_recognises, read=read_metocean, describe=_describe)
+METOCEAN = Format(
+    name="Metocean record (CSV, TSV, text, xlsx, netCDF)",
+    recognises=_recognises,
+    read=read_metocean,
+    describe=_describe,
+)

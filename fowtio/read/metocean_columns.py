@@ -22,38 +22,152 @@ class Quantity:
     what: str
 
 
-_SPEED = {"m/s": 1.0, "m s-1": 1.0, "m s**-1": 1.0, "ms-1": 1.0, "m.s-1": 1.0, "kn": KNOT, "kt": KNOT, "kts": KNOT, "knot": KNOT, "knots": KNOT,
-          "km/h": 1 / 3.6, "kmh": 1 / 3.6, "mph": 0.44704, "ft/s": 0.3048}  # fmt: skip
+_SPEED = {
+    "m/s": 1.0,
+    "m s-1": 1.0,
+    "m s**-1": 1.0,
+    "ms-1": 1.0,
+    "m.s-1": 1.0,
+    "kn": KNOT,
+    "kt": KNOT,
+    "kts": KNOT,
+    "knot": KNOT,
+    "knots": KNOT,
+    "km/h": 1 / 3.6,
+    "kmh": 1 / 3.6,
+    "mph": 0.44704,
+    "ft/s": 0.3048,
+}
 _LENGTH = {"m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "cm": 0.01, "ft": 0.3048, "feet": 0.3048}
 _TIME = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0}
-_ANGLE = {"deg": _DEG, "degree": _DEG, "degrees": _DEG, "°": _DEG, "degt": _DEG, "degrees_true": _DEG, "degree_true": _DEG, "rad": 1.0, "radians": 1.0}
+_ANGLE = {
+    "deg": _DEG,
+    "degree": _DEG,
+    "degrees": _DEG,
+    "°": _DEG,
+    "degt": _DEG,
+    "degrees_true": _DEG,
+    "degree_true": _DEG,
+    "rad": 1.0,
+    "radians": 1.0,
+}
 
 _HEIGHT = r"( (at )?\d+ ?m?( height)?)?"
 QUANTITIES = {
     "wind_speed": Quantity(
-        patterns=(rf"u\d*{_HEIGHT}", r"ws\d*", "wspd", "wind", r"ff\d*", r"wnd", rf"(\d+[ -]?h(ou)?r )?(mean |hub |average )*wind ?speed( mean| avg)?{_HEIGHT}",
-                  rf"u ?hub", rf"uw", r"wind_?speed_?\d*m?"),
-        units=_SPEED, low=0.0, high=80.0, what="wind speed"),
+        patterns=(
+            rf"u\d*{_HEIGHT}",
+            r"ws\d*",
+            "wspd",
+            "wind",
+            r"ff\d*",
+            r"wnd",
+            rf"(\d+[ -]?h(ou)?r )?(mean |hub |average )*wind ?speed( mean| avg)?{_HEIGHT}",
+            r"u ?hub",
+            r"uw",
+            r"wind_?speed_?\d*m?",
+        ),
+        units=_SPEED,
+        low=0.0,
+        high=80.0,
+        what="wind speed",
+    ),
     "significant_height": Quantity(
-        patterns=("hs", "hm0", "swh", "wvht", "vhm0", "h ?1/3", "(combined |total )?significant (wave )?height.*", "sea surface wave significant height", "wave ?height", "hsig"),
-        units=_LENGTH, low=0.0, high=35.0, what="significant wave height"),
+        patterns=(
+            "hs",
+            "hm0",
+            "swh",
+            "wvht",
+            "vhm0",
+            "h ?1/3",
+            "(combined |total )?significant (wave )?height.*",
+            "sea surface wave significant height",
+            "wave ?height",
+            "hsig",
+        ),
+        units=_LENGTH,
+        low=0.0,
+        high=35.0,
+        what="significant wave height",
+    ),
     "peak_period": Quantity(
-        patterns=("tp", "dpd", "pp1d", "vtpk", "peak (wave |spectral )?period", "(wave |spectral )?peak period", "dominant (wave )?period",
-                  "sea surface wave period at variance spectral density maximum", "tpeak"),
-        units=_TIME, low=0.5, high=40.0, what="peak period"),
+        patterns=(
+            "tp",
+            "dpd",
+            "pp1d",
+            "vtpk",
+            "peak (wave |spectral )?period",
+            "(wave |spectral )?peak period",
+            "dominant (wave )?period",
+            "sea surface wave period at variance spectral density maximum",
+            "tpeak",
+        ),
+        units=_TIME,
+        low=0.5,
+        high=40.0,
+        what="peak period",
+    ),
     "zero_crossing_period": Quantity(
-        patterns=("tz", "t02", "tm02", "mp2", "vtm02", "apd", "zero[ -]?(up|down)?[ -]?crossing (wave )?period", "mean zero.*period"),
-        units=_TIME, low=0.5, high=40.0, what="zero-up-crossing period"),
+        patterns=(
+            "tz",
+            "t02",
+            "tm02",
+            "mp2",
+            "vtm02",
+            "apd",
+            "zero[ -]?(up|down)?[ -]?crossing (wave )?period",
+            "mean zero.*period",
+        ),
+        units=_TIME,
+        low=0.5,
+        high=40.0,
+        what="zero-up-crossing period",
+    ),
     "wind_deviation": Quantity(
-        patterns=("sigma", "std", "sigma ?u", "wind ?speed ?(std|sd|sigma)", "standard deviation( of wind speed)?", "ws ?std"),
-        units=_SPEED, low=0.0, high=20.0, what="standard deviation of the wind speed"),
+        patterns=(
+            "sigma",
+            "std",
+            "sigma ?u",
+            "wind ?speed ?(std|sd|sigma)",
+            "standard deviation( of wind speed)?",
+            "ws ?std",
+        ),
+        units=_SPEED,
+        low=0.0,
+        high=20.0,
+        what="standard deviation of the wind speed",
+    ),
     "wind_heading": Quantity(
-        patterns=("wdir", "wd", "dd", r"wind (from |to |coming from |going to )?dir(ection)?.*", r"wind_?dir(ection)?.*"),
-        units=_ANGLE, low=-2 * 180 * _DEG, high=4 * 180 * _DEG, what="wind direction"),
+        patterns=(
+            "wdir",
+            "wd",
+            "dd",
+            r"wind (from |to |coming from |going to )?dir(ection)?.*",
+            r"wind_?dir(ection)?.*",
+        ),
+        units=_ANGLE,
+        low=-2 * 180 * _DEG,
+        high=4 * 180 * _DEG,
+        what="wind direction",
+    ),
     "wave_heading": Quantity(
-        patterns=("mwd", "dirm", "vmdr", "thq", "pdir", "wavedir.*", r"(mean |peak )?(sea surface )?wave (from |to |coming from |going to )?dir(ection)?.*", "dp", "dir"),
-        units=_ANGLE, low=-2 * 180 * _DEG, high=4 * 180 * _DEG, what="wave direction"),
-}  # fmt: skip
+        patterns=(
+            "mwd",
+            "dirm",
+            "vmdr",
+            "thq",
+            "pdir",
+            "wavedir.*",
+            r"(mean |peak )?(sea surface )?wave (from |to |coming from |going to )?dir(ection)?.*",
+            "dp",
+            "dir",
+        ),
+        units=_ANGLE,
+        low=-2 * 180 * _DEG,
+        high=4 * 180 * _DEG,
+        what="wave direction",
+    ),
+}
 HEADINGS = ("wind_heading", "wave_heading")
 _TOWARDS = re.compile(r"\b(to|towards?|going to|propagation)\b")
 _FROM = re.compile(r"\b(from|coming)\b|^mwd$|^wdir$|^vmdr$")

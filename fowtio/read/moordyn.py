@@ -20,17 +20,49 @@ from fowtio.read.text import number, read_lines
 from model.system.mooring import MooringSystem
 
 _SECTIONS = {
-    "line types": "types", "line dictionary": "types", "rod types": "rod types", "rod dictionary": "rod types",
-    "bodies": "bodies", "body list": "bodies", "body properties": "bodies", "rods": "rods", "rod list": "rods",
-    "rod properties": "rods", "points": "points", "point list": "points", "point properties": "points",
-    "connection properties": "points", "connections": "points", "connects": "points", "node properties": "points",
-    "lines": "lines", "line list": "lines", "line properties": "lines", "failure": "failure", "control": "control",
-    "external loads": "loads", "options": "options", "solver options": "options", "outputs": "outputs", "output": "outputs",
-}  # fmt: skip
+    "line types": "types",
+    "line dictionary": "types",
+    "rod types": "rod types",
+    "rod dictionary": "rod types",
+    "bodies": "bodies",
+    "body list": "bodies",
+    "body properties": "bodies",
+    "rods": "rods",
+    "rod list": "rods",
+    "rod properties": "rods",
+    "points": "points",
+    "point list": "points",
+    "point properties": "points",
+    "connection properties": "points",
+    "connections": "points",
+    "connects": "points",
+    "node properties": "points",
+    "lines": "lines",
+    "line list": "lines",
+    "line properties": "lines",
+    "failure": "failure",
+    "control": "control",
+    "external loads": "loads",
+    "options": "options",
+    "solver options": "options",
+    "outputs": "outputs",
+    "output": "outputs",
+}
 _KINDS = {
-    "fixed": "fixed", "fix": "fixed", "anchor": "fixed", "vessel": "vessel", "ves": "vessel", "coupled": "vessel", "cpld": "vessel",
-    "fairlead": "vessel", "connect": "connect", "con": "connect", "free": "connect", "point": "connect", "p": "connect",
-}  # fmt: skip
+    "fixed": "fixed",
+    "fix": "fixed",
+    "anchor": "fixed",
+    "vessel": "vessel",
+    "ves": "vessel",
+    "coupled": "vessel",
+    "cpld": "vessel",
+    "fairlead": "vessel",
+    "connect": "connect",
+    "con": "connect",
+    "free": "connect",
+    "point": "connect",
+    "p": "connect",
+}
 _TABLES = {"types": 4, "points": 7, "lines": 6}
 _REFUSED = {
     "rods": "rods", "loads": "external loads", "failure": "lines that fail",
@@ -101,11 +133,24 @@ def moordyn_mooring(
     diameter, mass, stiffness = np.array(kind).T
     try:
         return MooringSystem(
-            point_names=tuple(ids), point_kind=tuple(p[0] for p in points), position=[p[1] for p in points],
-            point_mass=[p[2] for p in points], point_volume=[p[3] for p in points], point_force=[p[4] for p in points],
-            line_names=tuple(_ids(file, "lines")), end_a=a, end_b=b, length=length, mass_per_length=mass, diameter=diameter,
-            axial_stiffness=stiffness, seabed_friction=np.full(len(lines), friction), depth=depth, gravity=gravity, density=density,
-        )  # fmt: skip
+            point_names=tuple(ids),
+            point_kind=tuple(p[0] for p in points),
+            position=[p[1] for p in points],
+            point_mass=[p[2] for p in points],
+            point_volume=[p[3] for p in points],
+            point_force=[p[4] for p in points],
+            line_names=tuple(_ids(file, "lines")),
+            end_a=a,
+            end_b=b,
+            length=length,
+            mass_per_length=mass,
+            diameter=diameter,
+            axial_stiffness=stiffness,
+            seabed_friction=np.full(len(lines), friction),
+            depth=depth,
+            gravity=gravity,
+            density=density,
+        )
     except ValueError as error:
         raise FormatError(file.path, expected="a mooring system that can be", hint=str(error)) from None
 
@@ -214,8 +259,12 @@ def _body(file: MoorDynFile, i: int, row: list[str]) -> tuple[str, np.ndarray, n
     values = [_number(file.path, i, t) for t in row[2:9]]
     if len(values) < 7 or (kind == "vessel" and (values[6] or (len(row) > 11 and _number(file.path, i, row[11])))):
         raise FormatError(
-            file.path, i, expected="a coupled body without mass and volume", found=" ".join(row), hint="Count them in the platform's mass",
-        )  # fmt: skip
+            file.path,
+            i,
+            expected="a coupled body without mass and volume",
+            found=" ".join(row),
+            hint="Count them in the platform's mass",
+        )
     r, p, y = np.radians(values[3:6])
     about_x = np.array([[1, 0, 0], [0, np.cos(r), -np.sin(r)], [0, np.sin(r), np.cos(r)]])
     about_y = np.array([[np.cos(p), 0, np.sin(p)], [0, 1, 0], [-np.sin(p), 0, np.cos(p)]])
@@ -252,8 +301,12 @@ def _point(file: MoorDynFile, i: int, row: list[str], bodies: dict) -> tuple:
         raise FormatError(file.path, i, expected="Fixed, Vessel (Coupled), Connect (Free) or a body", found=row[1])
     if kind == "vessel" and (mass or volume):
         raise FormatError(
-            file.path, i, expected="mass 0 and volume 0 of a coupled point", found=" ".join(row[5:7]), hint="Count them in the platform's mass",
-        )  # fmt: skip
+            file.path,
+            i,
+            expected="mass 0 and volume 0 of a coupled point",
+            found=" ".join(row[5:7]),
+            hint="Count them in the platform's mass",
+        )
     return kind, place, mass, volume, _force(file, i, row) * (kind == "connect")
 
 
@@ -324,7 +377,9 @@ def _is_number(text: str) -> bool:
 
 
 def _recognises(path, head: bytes) -> bool:
-    titles = {" ".join(line.strip("- \t").lower().split()) for line in head_lines(head) if line.strip().startswith("---")}
+    titles = {
+        " ".join(line.strip("- \t").lower().split()) for line in head_lines(head) if line.strip().startswith("---")
+    }
     found = {_SECTIONS[t] for t in titles if t in _SECTIONS}
     return {"types", "points", "lines"} <= found and b"numsegs" in head.lower()
 

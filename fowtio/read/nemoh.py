@@ -1,7 +1,8 @@
 """Nemoh's result folders, versions 2 and 3: dimensional, e^{-i omega t}, phases in radians.
 
-Source of the format: Nemoh's manual (input and output files) and the files it writes. A folder holds Nemoh.cal, Results/
-with RadiationCoefficients.tec and ExcitationForce.tec, and Mesh/ with KH.dat and Hydrostatics.dat where they were made.
+Source of the format: Nemoh's manual (input and output files) and the files it writes. A folder holds Nemoh.cal,
+Results/ with RadiationCoefficients.tec and ExcitationForce.tec, and Mesh/ with KH.dat and Hydrostatics.dat where they
+were made.
 Nemoh's stiffness is about the centre of gravity, where the weight has no share; it is brought to the origin here.
 """
 
@@ -183,7 +184,7 @@ def _place(folder: Path, case: dict, body: int | None) -> int:
 
 
 def _zones(path: Path, columns: int, count: int) -> tuple[np.ndarray, list[str], np.ndarray]:
-    """Return frequencies (n) [rad/s], zone titles (z) and numbers (z, n, columns) of a Tecplot file; raise FormatError."""
+    """Return frequencies (n) [rad/s], zone titles (z) and numbers (z, n, columns) of a Tecplot file."""
     lines = read_lines(path)
     unit = next((u for u in _UNITS if u in lines[0]), None)
     if unit is None:
@@ -261,8 +262,8 @@ def _excitation(path: Path, results: Path, case: dict, place: int, omega: np.nda
         error = np.abs(total - force).max(axis=(0, 1)) / np.repeat(np.abs(force).reshape(-1, 2, 3).max(axis=(0, 2)), 3)
         if error.max() > 1e-3:
             raise FormatError(
-                path, expected="the sum of FKForce.tec and DiffractionForce.tec", found=f"{error.max():.2g} of the largest off",
-                hint="One of the three files is corrupt or of another run",
+                path, expected="the sum of FKForce.tec and DiffractionForce.tec",
+                found=f"{error.max():.2g} of the largest off", hint="One of the three is corrupt or of another run",
             )  # fmt: skip
     angle = np.radians(heading)
     k = wave_number(path, omega, case["depth"], case["gravity"])

@@ -23,9 +23,13 @@ from model.system.turbine import RigidBody
 
 STANDARD_GRAVITY = 9.80665  # m/s2; for an ElastoDyn file read without its primary file
 _MODULES = {
-    "NRotors": ({}, {1}), "CompElast": ({3: "simplified ElastoDyn"}, {1, 2}), "CompSub": ({1: "SubDyn", 2: "ExtPtfm"}, {0}),
-    "CompHydro": ({}, {0, 1}), "CompIce": ({1: "IceFloe", 2: "IceDyn"}, {0}), "MHK": ({1: "fixed", 2: "floating"}, {0}),
-}  # fmt: skip
+    "NRotors": ({}, {1}),
+    "CompElast": ({3: "simplified ElastoDyn"}, {1, 2}),
+    "CompSub": ({1: "SubDyn", 2: "ExtPtfm"}, {0}),
+    "CompHydro": ({}, {0, 1}),
+    "CompIce": ({1: "IceFloe", 2: "IceDyn"}, {0}),
+    "MHK": ({1: "fixed", 2: "floating"}, {0}),
+}
 _MOORINGS = {0: "none", 1: "MAP++", 2: "FEAMooring", 3: "MoorDyn", 4: "OrcaFlex"}
 
 
@@ -89,11 +93,23 @@ def read_deck(path: str | Path) -> Deck:
     if primary.integer("CompElast", 1) == 2:
         notes = (*notes, "blades of BeamDyn: their mass is taken from ElastoDyn's blade file")
     return Deck(
-        path=path, title=primary.lines[1].strip() if len(primary.lines) > 1 else "", gravity=gravity,
-        air_density=primary.number("AirDens", 1.225), density=density, depth=depth, elastodyn=elastodyn, hydrodyn=hydrodyn,
-        sea=sea, mooring=mooring, mooring_path=mooring_path, wind_speed=inflow.speed if inflow else None,
-        aerodynamics=primary.integer("CompAero", 0) != 0, files=tuple(f for f in files if f), inflow=inflow, notes=notes,
-    )  # fmt: skip
+        path=path,
+        title=primary.lines[1].strip() if len(primary.lines) > 1 else "",
+        gravity=gravity,
+        air_density=primary.number("AirDens", 1.225),
+        density=density,
+        depth=depth,
+        elastodyn=elastodyn,
+        hydrodyn=hydrodyn,
+        sea=sea,
+        mooring=mooring,
+        mooring_path=mooring_path,
+        wind_speed=inflow.speed if inflow else None,
+        aerodynamics=primary.integer("CompAero", 0) != 0,
+        files=tuple(f for f in files if f),
+        inflow=inflow,
+        notes=notes,
+    )
 
 
 def _water_modules(primary: InputFile) -> tuple[HydroDyn | None, DeckSea | None, list[Path]]:
@@ -108,8 +124,11 @@ def _water_modules(primary: InputFile) -> tuple[HydroDyn | None, DeckSea | None,
     else:
         line = primary.line("CompSeaSt") if primary.has("CompSeaSt") else primary.line("CompHydro")
         raise FormatError(
-            primary.path, line, expected="CompSeaSt 1 with HydroDyn", found="no waves in HydroDyn's file and no SeaState",
-        )  # fmt: skip
+            primary.path,
+            line,
+            expected="CompSeaSt 1 with HydroDyn",
+            found="no waves in HydroDyn's file and no SeaState",
+        )
     sea = deck_sea(source)
     level = sea.level_offset or (primary.number("MSL2SWL", 0.0) if primary.has("MSL2SWL") else 0.0)
     if level != 0:
@@ -201,9 +220,12 @@ def _refuse(primary: InputFile, name: str, known: dict, allow: set) -> None:
     if primary.has(name) and primary.integer(name) not in allow:
         value = primary.integer(name)
         raise FormatError(
-            primary.path, primary.line(name), expected=f"{name} in {sorted(allow)}", found=f"{value} ({known.get(value, 'unknown')})",
+            primary.path,
+            primary.line(name),
+            expected=f"{name} in {sorted(allow)}",
+            found=f"{value} ({known.get(value, 'unknown')})",
             hint="fowtio models a rigid floater with the turbine that ElastoDyn describes",
-        )  # fmt: skip
+        )
 
 
 # --- formats ------------------------------------------------------------------------------------------------------------
@@ -219,7 +241,10 @@ def _describe_deck(deck: Deck) -> list[tuple[str, str]]:
     wave = "none" if sea is None else f"{sea.kind}, Hs {sea.significant_height}, Tp {sea.peak_period}"
     return [
         ("title", deck.title),
-        ("environment", f"gravity {deck.gravity:g} m/s2, air {deck.air_density:g} kg/m3, water {deck.density:g} kg/m3, depth {deck.depth:g} m"),
+        (
+            "environment",
+            f"gravity {deck.gravity:g} m/s2, air {deck.air_density:g} kg/m3, water {deck.density:g} kg/m3, depth {deck.depth:g} m",
+        ),
         *_describe_elastodyn(deck.elastodyn),
         *(_describe_hydrodyn(deck.hydrodyn) if deck.hydrodyn else [("hydrodynamics", "none")]),
         ("sea", wave),
@@ -227,7 +252,7 @@ def _describe_deck(deck: Deck) -> list[tuple[str, str]]:
         ("moorings", f"{len(deck.mooring.line_names)} lines ({deck.mooring_path.name})" if deck.mooring else "none"),
         ("files", ", ".join(f.name for f in deck.files)),
         *(("simplified", note) for note in deck.notes),
-    ]  # fmt: skip
+    ]
 
 
 def _describe_elastodyn(deck: ElastoDyn) -> list[tuple[str, str]]:
@@ -242,33 +267,65 @@ def _describe_elastodyn(deck: ElastoDyn) -> list[tuple[str, str]]:
 
 def _describe_hydrodyn(deck: HydroDyn) -> list[tuple[str, str]]:
     return [
-        ("potential flow", f"{deck.coefficients.name}, length {deck.length_scale:g} m, volume {deck.volume:g} m3" if deck.potential_flow else "none"),
-        ("members", f"{len(deck.members.names)}, end plates {len(deck.members.plate_coefficient)}, filled {sum(len(f.members) for f in deck.fillings)}"),
-        ("added matrices", ", ".join(n for n in ("preload", "stiffness", "damping", "quadratic_damping") if np.any(getattr(deck, n))) or "none"),
-    ]  # fmt: skip
+        (
+            "potential flow",
+            f"{deck.coefficients.name}, length {deck.length_scale:g} m, volume {deck.volume:g} m3"
+            if deck.potential_flow
+            else "none",
+        ),
+        (
+            "members",
+            f"{len(deck.members.names)}, end plates {len(deck.members.plate_coefficient)}, filled {sum(len(f.members) for f in deck.fillings)}",
+        ),
+        (
+            "added matrices",
+            ", ".join(n for n in ("preload", "stiffness", "damping", "quadratic_damping") if np.any(getattr(deck, n)))
+            or "none",
+        ),
+    ]
 
 
 def _describe_sea(sea: DeckSea) -> list[tuple[str, str]]:
     s = sea.sea
-    kind = f"WaveMod {sea.wave_model}" + (", not modelled" if s is None else f", {s.kind}, Hs {s.significant_height}, Tp {s.peak_period}")
-    return [("sea", kind), ("current", "yes, not modelled" if sea.current else "none"), ("depth", f"{sea.depth} m" if sea.depth else "of the primary file")]
+    kind = f"WaveMod {sea.wave_model}" + (
+        ", not modelled" if s is None else f", {s.kind}, Hs {s.significant_height}, Tp {s.peak_period}"
+    )
+    return [
+        ("sea", kind),
+        ("current", "yes, not modelled" if sea.current else "none"),
+        ("depth", f"{sea.depth} m" if sea.depth else "of the primary file"),
+    ]
 
 
 def _describe_inflow(wind: InflowWind) -> list[tuple[str, str]]:
-    return [("wind", wind.kind), ("speed", f"{wind.speed:g} m/s" if wind.speed is not None else "in its files"), ("direction", f"{wind.direction:g} deg")]
+    return [
+        ("wind", wind.kind),
+        ("speed", f"{wind.speed:g} m/s" if wind.speed is not None else "in its files"),
+        ("direction", f"{wind.direction:g} deg"),
+    ]
 
 
 OPENFAST_DECK = Format(
     name="OpenFAST deck (.fst)", recognises=_with("EDFile", "CompElast"), read=read_deck, describe=_describe_deck
 )  # fmt: skip
 ELASTODYN = Format(
-    name="ElastoDyn input file", recognises=_with("TwrFile", "PtfmMass"), read=lambda path: read_elastodyn(path, STANDARD_GRAVITY),
+    name="ElastoDyn input file",
+    recognises=_with("TwrFile", "PtfmMass"),
+    read=lambda path: read_elastodyn(path, STANDARD_GRAVITY),
     describe=_describe_elastodyn,
-)  # fmt: skip
-HYDRODYN = Format(name="HydroDyn input file", recognises=_with("NJoints", "NMembers"), read=read_hydrodyn, describe=_describe_hydrodyn)
+)
+HYDRODYN = Format(
+    name="HydroDyn input file", recognises=_with("NJoints", "NMembers"), read=read_hydrodyn, describe=_describe_hydrodyn
+)
 SEASTATE = Format(
-    name="SeaState input file", recognises=_with("WaveMod", "WaveHs"), read=lambda path: deck_sea(read_input(path)), describe=_describe_sea
-)  # fmt: skip
+    name="SeaState input file",
+    recognises=_with("WaveMod", "WaveHs"),
+    read=lambda path: deck_sea(read_input(path)),
+    describe=_describe_sea,
+)
 INFLOWWIND = Format(
-    name="InflowWind input file", recognises=_with("WindType", "HWindSpeed"), read=read_inflowwind, describe=_describe_inflow
-)  # fmt: skip
+    name="InflowWind input file",
+    recognises=_with("WindType", "HWindSpeed"),
+    read=read_inflowwind,
+    describe=_describe_inflow,
+)

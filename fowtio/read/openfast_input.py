@@ -18,7 +18,9 @@ from fowtio.read.text import number, numbers, read_lines
 
 _TOKEN = re.compile(r'"[^"]*"|\'[^\']*\'|[^\s,]+')
 _NAME = re.compile(r"[A-Za-z_][\w]*(\([\w, ]+\))?%?")
-_OVERFLOW = re.compile(r"\*+\s+[A-Za-z_][\w()]*\s+-\s")  # a value of stars, as Fortran writes one too long for its field
+_OVERFLOW = re.compile(
+    r"\*+\s+[A-Za-z_][\w()]*\s+-\s"
+)  # a value of stars, as Fortran writes one too long for its field
 _TRUE, _FALSE = {"true", "t", ".true."}, {"false", "f", ".false."}
 _NAMED = re.compile(r"""\s*(?:"[^"]*"|'[^']*'|\S+)\s+([A-Za-z_][\w()]*)\s+-""")
 _MISSING = object()
@@ -319,5 +321,8 @@ def _describe(source: InputFile) -> list[tuple[str, str]]:
 
 
 OPENFAST_INPUT = Format(
-    name="OpenFAST-style input file", recognises=lambda path, head: len(names_in(head)) >= 5, read=read_input, describe=_describe
-)  # fmt: skip
+    name="OpenFAST-style input file",
+    recognises=lambda path, head: len(names_in(head)) >= 5,
+    read=read_input,
+    describe=_describe,
+)

@@ -24,9 +24,13 @@ _COUNTS = {
 }
 _SHAPES = {"A": ("states", "states"), "B": ("states", "inputs"), "C": ("outputs", "states"), "D": ("outputs", "inputs")}
 _JACOBIANS = {
-    "dXdx": ("states", "states"), "dXdu": ("states", "inputs"), "dYdx": ("outputs", "states"), "dYdu": ("outputs", "inputs"),
-    "dUdu": ("inputs", "inputs"), "dUdy": ("inputs", "outputs"),
-}  # fmt: skip
+    "dXdx": ("states", "states"),
+    "dXdu": ("states", "inputs"),
+    "dYdx": ("outputs", "states"),
+    "dYdu": ("outputs", "inputs"),
+    "dUdu": ("inputs", "inputs"),
+    "dUdy": ("inputs", "outputs"),
+}
 _SIZE = re.compile(r"^\s*(\w+)\s*:\s*(\d+)\s*x\s*(\d+)\s*$")
 _DOF_INDEX = re.compile(r"internal DOF index = (DOF_\w+(?:\((\d+),\s*(\d+)\))?)\)")
 _DOF_NAMES = {
@@ -226,11 +230,19 @@ def _describe(lin: Linearisation) -> list[tuple[str, str]]:
     more = ", ".join(f"{name} {m.shape[0]} x {m.shape[1]}" for name, m in lin.jacobians.items())
     return [
         ("modules", ", ".join(lin.modules) or "not said"),
-        ("states", f"{len(lin.state_names)}, {first} of first order; degrees of freedom {', '.join(dict.fromkeys(d for d in lin.state_dof if d)) or 'none known'}"),
+        (
+            "states",
+            f"{len(lin.state_names)}, {first} of first order; degrees of freedom {', '.join(dict.fromkeys(d for d in lin.state_dof if d)) or 'none known'}",
+        ),
         ("inputs, outputs", f"{len(lin.input_names)}, {len(lin.output_names)}"),
-        ("operating point", f"wind {lin.wind_speed:g} m/s, rotor {lin.rotor_speed:g} rad/s, azimuth {np.degrees(lin.azimuth):.4g} deg"),
+        (
+            "operating point",
+            f"wind {lin.wind_speed:g} m/s, rotor {lin.rotor_speed:g} rad/s, azimuth {np.degrees(lin.azimuth):.4g} deg",
+        ),
         ("other matrices", more or "none"),
-    ]  # fmt: skip
+    ]
 
 
-OPENFAST_LIN = Format(name="OpenFAST linearisation (.lin)", recognises=_recognises, read=read_openfast_lin, describe=_describe)
+OPENFAST_LIN = Format(
+    name="OpenFAST linearisation (.lin)", recognises=_recognises, read=read_openfast_lin, describe=_describe
+)

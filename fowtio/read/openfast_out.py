@@ -70,9 +70,11 @@ class _Buffer:
         end = self.at + count * dtype.itemsize
         if count < 0 or end > len(self.data):
             raise FormatError(
-                self.path, expected=f"{count} values of {what} at byte {self.at}", found=f"a file of {len(self.data)} bytes",
+                self.path,
+                expected=f"{count} values of {what} at byte {self.at}",
+                found=f"a file of {len(self.data)} bytes",
                 hint="Is the file complete?",
-            )  # fmt: skip
+            )
         out = np.frombuffer(self.data, dtype, count, self.at)
         self.at = end
         return out
@@ -106,11 +108,13 @@ def _read_binary(path: Path, content: bytes) -> TimeSeries:
     names = [buffer.text(width, "channel names") for _ in range(channels + 1)]
     units = [buffer.text(width, "channel units").strip("()[]") for _ in range(channels + 1)]
     if form == _WITH_TIME:
-        time = (buffer.take("<i4", samples, "packed time") - time_offset) / time_scale
-    else:
-        time = time_start + time_step * np.arange(samples)
+        packed_time = buffer.take("<i4", samples, "packed time")
     kind = "<f8" if form == _UNCOMPRESSED else "<i2"
     packed = buffer.take(kind, samples * channels, "channel data").reshape(samples, channels)
+    if form == _WITH_TIME:
+        time = (packed_time - time_offset) / time_scale
+    else:
+        time = time_start + time_step * np.arange(samples)
     if form != _UNCOMPRESSED:
         if np.any(slope == 0) or not np.all(np.isfinite([slope, offset])):
             raise FormatError(
@@ -204,4 +208,6 @@ def _describe(series: TimeSeries) -> list[tuple[str, str]]:
     return rows + ([("behind the last step", f"{series.trailing_bytes} bytes")] if series.trailing_bytes else [])
 
 
-OPENFAST_OUT = Format(name="OpenFAST time series (.outb, .out)", recognises=_recognises, read=read_openfast_out, describe=_describe)
+OPENFAST_OUT = Format(
+    name="OpenFAST time series (.outb, .out)", recognises=_recognises, read=read_openfast_out, describe=_describe
+)

@@ -1,9 +1,9 @@
 """OrcaFlex vessel types in a text data file (.yml), as OrcaFlex and OrcaWave write them.
 
-Source of the format: OrcaFlex's help, pages on vessel types (conventions, structure, load RAOs, stiffness, added mass and
-damping). SI there means tonnes, kilonewtons, metres. The file states its own conventions of frequency, phase and sign,
-and they are obeyed. OrcaFlex's hydrostatic stiffness has the weight's share; it is taken off with the draught's mass and
-centre of mass. OrcaFlex has no gravity setting in SI: 9.80665 m/s2.
+Source of the format: OrcaFlex's help, pages on vessel types (conventions, structure, load RAOs, stiffness, added mass
+and damping). SI there means tonnes, kilonewtons, metres. The file states its own conventions of frequency, phase and
+sign, and they are obeyed. OrcaFlex's hydrostatic stiffness has the weight's share; it is taken off with the draught's
+mass and centre of mass. OrcaFlex has no gravity setting in SI: 9.80665 m/s2.
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ _MODES = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
 _AXES = ("X", "Y", "Z", "Rx", "Ry", "Rz")
 _SIGNS = {
     "SurgePositive": ("forward", "aft"), "SwayPositive": ("port", "starboard"), "HeavePositive": ("up", "down"),
-    "RollPositiveStarboard": ("down", "up"), "PitchPositiveBow": ("down", "up"), "YawPositiveBow": ("port", "starboard"),
+    "RollPositiveStarboard": ("down", "up"), "PitchPositiveBow": ("down", "up"),
+    "YawPositiveBow": ("port", "starboard"),
 }  # fmt: skip
 _EVENTS = {"crest": 0.0, "zero up-crossing": 0.5 * np.pi, "trough": np.pi, "zero down-crossing": -0.5 * np.pi}
 _KEY = re.compile(r"([^\s#:\[-][^:#]*?)\s*:(?:\s+(.*))?$")
@@ -70,8 +71,8 @@ def read_orcaflex(
     stiffness = _stiffness(path, own, point, density * GRAVITY * volume, buoyancy)
     force = _load_raos(path, vessel, own, to_omega, radiation["omega"], depth, point)
     return coefficients(
-        path, point=point, **radiation, **force, hydrostatic_stiffness=stiffness, volume=volume, centre_of_buoyancy=buoyancy,
-        density=density, gravity=GRAVITY, depth=depth,
+        path, point=point, **radiation, **force, hydrostatic_stiffness=stiffness, volume=volume,
+        centre_of_buoyancy=buoyancy, density=density, gravity=GRAVITY, depth=depth,
     )  # fmt: skip
 
 
@@ -271,7 +272,7 @@ def _stiffness(path: Path, own: dict, point, lift: float, buoyancy) -> np.ndarra
 
 
 def _load_raos(path: Path, vessel: dict, own: dict, to_omega, omega, depth: float, point) -> dict:
-    """Return heading and excitation (m, n, 6) about `point` with the crest at the vessel's origin; {} when there are none."""
+    """Return heading and excitation (m, n, 6) about `point`, crest at the vessel's origin; {} when there are none."""
     raos = _get(path, own, "LoadRAOs")
     tables = raos.get("RAOs")
     if not tables:

@@ -26,45 +26,55 @@ class Format:
     describe: Callable[[Any], list[tuple[str, str]]]
 
 
-_FORMATS = {
-    "openfast_deck": ("OPENFAST_DECK", "ELASTODYN", "HYDRODYN", "SEASTATE", "INFLOWWIND"),
-    "openfast_lin": ("OPENFAST_LIN",),
-    "fast7_lin": ("FAST7_LIN",),
-    "openfast_out": ("OPENFAST_OUT",),
-    "turbsim": ("TURBSIM",),
-    "moordyn": ("MOORDYN",),
-    "map": ("MAP",),
-    "rotor_table": ("ROTOR_TABLE",),
-    "wamit": ("WAMIT_RADIATION", "WAMIT_EXCITATION", "WAMIT_HYDROSTATICS", "WAMIT_SET"),
-    "wamit_extra": ("WAMIT_MOTION", "WAMIT_DRIFT", "WAMIT_SECOND_ORDER"),
-    "wamit_out": ("WAMIT_OUTPUT",),
-    "aqwa": ("AQWA_AH1", "AQWA_LIS"),
-    "nemoh": ("NEMOH",),
-    "orcaflex": ("ORCAFLEX",),
-    "capytaine": ("CAPYTAINE",),
-    "openfast_input": ("OPENFAST_INPUT",),
-    "metocean": ("METOCEAN",),
-}
+MODULES = (
+    "openfast_deck",
+    "openfast_lin",
+    "fast7_lin",
+    "openfast_out",
+    "turbsim",
+    "moordyn",
+    "map",
+    "rotor_table",
+    "wamit",
+    "wamit_extra",
+    "wamit_out",
+    "aqwa",
+    "aqwa_lis",
+    "nemoh",
+    "orcaflex",
+    "capytaine",
+    "openfast_input",
+    "metocean",
+)
 _MAGIC = {"capytaine": (b"CDF", b"\x89HDF")}  # imported only for files that begin so: its libraries are slow to import
 INTERNAL = (
-    "registry", "text", "elastodyn", "hydrodyn", "seastate", "inflowwind", "metocean_columns", "hydro_any", "hydro_common",
-)  # fmt: skip
+    "registry",
+    "text",
+    "elastodyn",
+    "hydrodyn",
+    "seastate",
+    "inflowwind",
+    "metocean_columns",
+    "metocean_time",
+    "hydro_any",
+    "hydro_common",
+)
 HEAD = 65536
 
 
 def formats() -> tuple[Format, ...]:
     """Return every registered format, in the order in which files are tried on them; imports all readers."""
-    return tuple(f for module in _FORMATS for f in _formats_of(module))
+    return tuple(f for module in MODULES for f in formats_of(module))
 
 
 def recognise(path: str | Path) -> Format:
     """Return the format of a file, folder or stem of a set of files, told by content; raise FormatError when it is none."""
     path = Path(path)
     head = _head(path)
-    for module in _FORMATS:
+    for module in MODULES:
         if module in _MAGIC and not head.startswith(_MAGIC[module]):
             continue
-        for own in _formats_of(module):
+        for own in formats_of(module):
             if own.recognises(path, head):
                 return own
     if not path.exists():
@@ -84,9 +94,11 @@ def describe(path: str | Path) -> list[tuple[str, str]]:
     return [("format", own.name), *own.describe(own.read(Path(path)))]
 
 
-def _formats_of(module: str) -> tuple[Format, ...]:
-    loaded = import_module(f"fowtio.read.{module}")
-    return tuple(getattr(loaded, name) for name in _FORMATS[module])
+def formats_of(module: str) -> tuple[Format, ...]:
+    """Return the formats that a reader module defines, in its order, importing it."""
+    name = f"{__package__}.{module}"
+    found = (value for value in vars(import_module(name)).values() if isinstance(value, Format))
+    return tuple(own for own in found if own.recognises.__module__ == name)
 
 
 def _head(path: Path) -> bytes:

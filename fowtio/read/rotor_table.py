@@ -18,10 +18,17 @@ from fowtio.read.text import number_table, numbers, read_lines
 from model.conventions import freeze
 
 _TITLES = {
-    "pitch": "pitch angle vector", "tip_speed_ratio": "tsr vector", "wind_speed": "wind speed vector", "power": "power coefficient",
-    "thrust": "thrust coefficient", "torque": "torque coefficient",
-}  # fmt: skip
-_IDENTITY = (0.01, 2e-3)  # Cp and TSR Cq may differ by this part and this amount: files in use differ by 0.1 % and rounding
+    "pitch": "pitch angle vector",
+    "tip_speed_ratio": "tsr vector",
+    "wind_speed": "wind speed vector",
+    "power": "power coefficient",
+    "thrust": "thrust coefficient",
+    "torque": "torque coefficient",
+}
+_IDENTITY = (
+    0.01,
+    2e-3,
+)  # Cp and TSR Cq may differ by this part and this amount: files in use differ by 0.1 % and rounding
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -40,9 +47,14 @@ class RotorTable:
 
     def __post_init__(self):
         freeze(
-            self, pitch=("p",), tip_speed_ratio=("t",), wind_speed=("w",), power=("w", "t", "p"), thrust=("w", "t", "p"),
+            self,
+            pitch=("p",),
+            tip_speed_ratio=("t",),
+            wind_speed=("w",),
+            power=("w", "t", "p"),
+            thrust=("w", "t", "p"),
             torque=("w", "t", "p"),
-        )  # fmt: skip
+        )
 
 
 def read_rotor_table(path: str | Path) -> RotorTable:
@@ -74,7 +86,12 @@ def _blocks(path: Path) -> dict[str, tuple[int, str, list[tuple[int, str]]]]:
                 out[name] = (i, title, lines)
         elif line.strip():
             if lines is None:
-                raise FormatError(path, i, expected="a comment line that names what follows, such as '# Pitch angle vector'", found=line)
+                raise FormatError(
+                    path,
+                    i,
+                    expected="a comment line that names what follows, such as '# Pitch angle vector'",
+                    found=line,
+                )
             lines.append((i, line))
     return out
 
@@ -94,7 +111,9 @@ def _vector(path: Path, name: str, blocks: dict) -> np.ndarray:
         try:
             values += numbers(line)
         except ValueError as error:
-            raise FormatError(path, i, expected=f"numbers of the {_TITLES[name]}", found=line, hint=str(error)) from None
+            raise FormatError(
+                path, i, expected=f"numbers of the {_TITLES[name]}", found=line, hint=str(error)
+            ) from None
     said = re.search(r"(\d+) entries", title)
     if said and int(said[1]) != len(values):
         raise FormatError(path, at, expected=f"{said[1]} entries", found=f"{len(values)} numbers")
@@ -112,7 +131,13 @@ def _table(path: Path, name: str, blocks: dict, shape: tuple[int, int, int]) -> 
     text = dict(lines)
     table = number_table(path, [text.get(i, "") for i in range(first, last + 1)], first, shape[2], what)
     if len(table) != rows:
-        raise FormatError(path, at, expected=f"{rows} rows of the {_TITLES[name]}", found=f"{len(table)} rows", hint="Is the file complete?")
+        raise FormatError(
+            path,
+            at,
+            expected=f"{rows} rows of the {_TITLES[name]}",
+            found=f"{len(table)} rows",
+            hint="Is the file complete?",
+        )
     return table.reshape(shape)
 
 
@@ -125,7 +150,9 @@ def _check_identity(path: Path, blocks: dict, ratio: np.ndarray, tables: dict) -
         w, t, p = np.argwhere(wrong)[0]
         line = blocks["power"][2][w * len(ratio) + t][0]
         found = f"{tables['power'][w, t, p]:g} against {other[w, t, p]:g} in column {p + 1}"
-        raise FormatError(path, line, expected="a power coefficient equal to tip speed ratio times torque coefficient", found=found)
+        raise FormatError(
+            path, line, expected="a power coefficient equal to tip speed ratio times torque coefficient", found=found
+        )
 
 
 def _recognises(path, head: bytes) -> bool:
@@ -144,4 +171,6 @@ def _describe(table: RotorTable) -> list[tuple[str, str]]:
     ]
 
 
-ROTOR_TABLE = Format(name="Rotor performance table (ROSCO)", recognises=_recognises, read=read_rotor_table, describe=_describe)
+ROTOR_TABLE = Format(
+    name="Rotor performance table (ROSCO)", recognises=_recognises, read=read_rotor_table, describe=_describe
+)

@@ -19,6 +19,7 @@ from fowtio.read.text import read_bytes
 from model.conventions import freeze
 
 _IDS = {7: False, 8: True}
+_FASTEST = 300.0  # m/s
 _HEADER = struct.Struct("<h4i12fi")
 _RINGS, _SPOKES = 8, 24  # points of the disk average
 
@@ -76,14 +77,24 @@ def read_turbsim(path: str | Path) -> WindField:
             hint="Is the file complete?",
         )  # fmt: skip
     packed = np.frombuffer(data, "<i2", per_step * steps, start).reshape(steps, per_step)[:, : 3 * nz * ny]
-    velocity = (packed.reshape(steps, nz, ny, 3).astype(np.float32) - offset.astype(np.float32)) / slope.astype(
-        np.float32
-    )
+    packed = packed.reshape(steps, nz, ny, 3).astype(np.float32)
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below
+        velocity = (packed - offset.astype(np.float32)) / slope.astype(np.float32)
+    if not np.abs(velocity).max() < _FASTEST:
+        raise FormatError(
+            path, expected=f"velocities below {_FASTEST:g} m/s", found=f"slopes {slope}, offsets {offset}"
+        )
     return WindField(
-        time=np.arange(steps) * float(dt), y=(np.arange(ny) - (ny - 1) / 2) * dy, z=bottom + np.arange(nz) * dz, velocity=velocity,
-        mean_speed=float(speed), hub_height=float(hub), periodic=_IDS[ident],
-        description=data[_HEADER.size : start].decode("latin-1").strip(), source=str(path),
-    )  # fmt: skip
+        time=np.arange(steps) * float(dt),
+        y=(np.arange(ny) - (ny - 1) / 2) * dy,
+        z=bottom + np.arange(nz) * dz,
+        velocity=velocity,
+        mean_speed=float(speed),
+        hub_height=float(hub),
+        periodic=_IDS[ident],
+        description=data[_HEADER.size : start].decode("latin-1").strip(),
+        source=str(path),
+    )
 
 
 def point_wind(field: WindField, y: float, z: float) -> np.ndarray:
@@ -142,11 +153,17 @@ def _describe(field: WindField) -> list[tuple[str, str]]:
     return [
         ("time", f"{span(field.time, 's')}, {len(field.time)} steps" + (", periodic" if field.periodic else "")),
         ("grid", f"{len(field.y)} x {len(field.z)} points, y {span(field.y, 'm')}, z {span(field.z, 'm')}"),
-        ("hub", f"{field.hub_height:g} m; mean {hub[:, 0].mean():.4g} m/s, standard deviation {hub[:, 0].std():.4g} m/s"),
+        (
+            "hub",
+            f"{field.hub_height:g} m; mean {hub[:, 0].mean():.4g} m/s, standard deviation {hub[:, 0].std():.4g} m/s",
+        ),
         ("description", field.description or "none"),
     ]
 
 
 TURBSIM = Format(
-    name="TurbSim wind field (.bts)", recognises=lambda path, head: is_turbsim(head), read=read_turbsim, describe=_describe
-)  # fmt: skip
+    name="TurbSim wind field (.bts)",
+    recognises=lambda path, head: is_turbsim(head),
+    read=read_turbsim,
+    describe=_describe,
+)

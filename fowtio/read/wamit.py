@@ -1,7 +1,8 @@
 """WAMIT result files .1, .2, .3 and .hst: non-dimensional by density, gravity and a length, e^{+i omega t}.
 
 Source of the format: WAMIT User Manual v7, chapters 3 to 5. The first column is the period unless the run was told
-otherwise (IPEROUT); periods of 0 and -1 stand for infinite and zero frequency whatever the first column is (section 4.2).
+otherwise (IPEROUT); periods of 0 and -1 stand for infinite and zero frequency whatever the first column is
+(section 4.2).
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ _SIX = "Modes above 6 are further bodies or flexible modes; choose a body with b
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WamitRadiation:
-    """A .1 file as it stands: period (n) [s] (0 infinite, -1 zero frequency), A (n, 6, 6) and B (n, 6, 6), non-dimensional."""
+    """A .1 file as it stands, non-dimensional: period (n) [s] (0 infinite, -1 zero frequency), A and B (n, 6, 6)."""
 
     period: np.ndarray
     added_mass: np.ndarray
@@ -103,7 +104,7 @@ def read_wamit_excitation(path: str | Path, *, body: int | None = None, frequenc
 
 
 def read_wamit_hydrostatics(path: str | Path, *, body: int | None = None) -> np.ndarray:
-    """Return the (6, 6) non-dimensional hydrostatic stiffness of a .hst file (all elements or a triangle); raise FormatError."""
+    """Return the (6, 6) non-dimensional stiffness of a .hst file (all elements or a triangle); raise FormatError."""
     table, lines = wamit_table(path, (3,), "a .hst row: i, j, C")
     table, lines = choose_modes(path, table, lines, (0, 1), body)
     i, j = (table[:, k].astype(int) - 1 for k in (0, 1))
@@ -134,8 +135,8 @@ def read_wamit(
 
     path of one of the files or their common stem; length WAMIT's ULEN [m]; density [kg/m3]; gravity [m/s2]; depth [m];
     frequency of the first column, "period" or "omega"; body (from 1) of a run with several. weight is the
-    (mass [kg], centre (3) [m]) that the run knew, when its centre of gravity was not the origin: WAMIT's .hst then has the
-    weight's share, and it is taken off. The .1 file must be there; .3 (or .2) and .hst are read when they are.
+    (mass [kg], centre (3) [m]) that the run knew, when its centre of gravity was not the origin: WAMIT's .hst then has
+    the weight's share, and it is taken off. The .1 file must be there; .3 (or .2) and .hst are read when they are.
     Raises FormatError.
     """
     stem = wamit_stem(path)
@@ -156,7 +157,7 @@ def read_wamit(
 
 
 def dimensional_radiation(path, radiation: WamitRadiation, length: float, density: float) -> dict:
-    """Return omega, added mass, damping and their limits with dimensions: A by rho L^k, B by rho L^k omega (k = 3, 4, 5)."""
+    """Return omega, added mass, damping and limits with dimensions: A by rho L^k, B by rho L^k omega, k = 3, 4, 5."""
     finite = radiation.period > 0
     if not np.any(finite):
         raise FormatError(path, expected="added mass and damping at finite periods", found="none")
@@ -178,7 +179,7 @@ def dimensional_radiation(path, radiation: WamitRadiation, length: float, densit
 def dimensional_excitation(
     path, data: WamitExcitation, omega: np.ndarray, length: float, weight_density: float
 ) -> dict:
-    """Return heading [rad] and excitation per metre on the frequencies of the radiation; weight_density is rho g [N/m3]."""
+    """Return heading [rad] and excitation on the radiation's frequencies; weight_density is rho g [N/m3]."""
     finite = data.period > 0
     own = 2 * np.pi / data.period[finite]
     order = np.argsort(own)
@@ -200,7 +201,7 @@ def wamit_table(path: str | Path, widths: tuple[int, ...], what: str) -> tuple[n
 
 
 def as_period(path, column: np.ndarray, frequency: str) -> np.ndarray:
-    """Return the first column as periods [s]; 0 and negative values mean infinite and zero frequency in both conventions."""
+    """Return the first column as periods [s]; 0 and below mean infinite and zero frequency in both conventions."""
     if frequency not in FREQUENCIES:
         raise FormatError(
             path, expected="frequency 'period' or 'omega'", found=frequency,
@@ -252,7 +253,8 @@ def check_polar(path, columns: np.ndarray, group: np.ndarray, lines) -> None:
         polar = modulus[k] * np.exp(1j * np.radians(phase[k]))
         raise FormatError(
             path, lines[k], expected="modulus and phase equal to real and imaginary part",
-            found=f"{polar.real:g}, {polar.imag:g} against {real[k]:g}, {imaginary[k]:g}", hint="One of the numbers is corrupt",
+            found=f"{polar.real:g}, {polar.imag:g} against {real[k]:g}, {imaginary[k]:g}",
+            hint="One of the numbers is corrupt",
         )  # fmt: skip
 
 
@@ -330,11 +332,13 @@ WAMIT_RADIATION = Format(
 )  # fmt: skip
 WAMIT_EXCITATION = Format(
     name="WAMIT .2, .3 (exciting force)",
-    recognises=_suffix(".2", ".3", widths=(7,), integers=(2,)), read=read_wamit_excitation, describe=_describe_excitation,
+    recognises=_suffix(".2", ".3", widths=(7,), integers=(2,)), read=read_wamit_excitation,
+    describe=_describe_excitation,
 )  # fmt: skip
 WAMIT_HYDROSTATICS = Format(
     name="WAMIT .hst (hydrostatic stiffness)",
-    recognises=_suffix(".hst", widths=(3,), integers=(0, 1)), read=read_wamit_hydrostatics, describe=_describe_hydrostatics,
+    recognises=_suffix(".hst", widths=(3,), integers=(0, 1)), read=read_wamit_hydrostatics,
+    describe=_describe_hydrostatics,
 )  # fmt: skip
 WAMIT_SET = Format(
     name="WAMIT set (.1, .3, .hst by their stem)",

@@ -123,7 +123,7 @@ def _modes(path, column: np.ndarray, lines) -> tuple[tuple[int, ...], np.ndarray
 
 
 def _scatter(path, shape, index, table) -> np.ndarray:
-    """Return the complex numbers of the last two columns in their places, NaN elsewhere; FormatError for a repetition."""
+    """Return the complex numbers of the last two columns in their places, NaN elsewhere; refuse a repetition."""
     count = np.zeros(shape, dtype=int)
     np.add.at(count, index, 1)
     if count.max() > 1:

@@ -101,12 +101,16 @@ def _dynamics(version: int) -> str:
 
 
 _EMPTY_SECTIONS = [
-    f"{' ROD TYPES ':-^{_RULE}}", "TypeName  Diam  Mass/m  Cd  Ca  CdEnd  CaEnd", "(name)  (m)  (kg/m)  (-)  (-)  (-)  (-)",
-    f"{' BODIES ':-^{_RULE}}", "ID  Attachment  X0  Y0  Z0  r0  p0  y0  Mass  CG  I  Volume  CdA  Ca",
+    f"{' ROD TYPES ':-^{_RULE}}",
+    "TypeName  Diam  Mass/m  Cd  Ca  CdEnd  CaEnd",
+    "(name)  (m)  (kg/m)  (-)  (-)  (-)  (-)",
+    f"{' BODIES ':-^{_RULE}}",
+    "ID  Attachment  X0  Y0  Z0  r0  p0  y0  Mass  CG  I  Volume  CdA  Ca",
     "(#)  (word)  (m)  (m)  (m)  (deg)  (deg)  (deg)  (kg)  (m)  (kg-m^2)  (m^3)  (m^2)  (-)",
-    f"{' RODS ':-^{_RULE}}", "ID  RodType  Attachment  Xa  Ya  Za  Xb  Yb  Zb  NumSegs  RodOutputs",
+    f"{' RODS ':-^{_RULE}}",
+    "ID  RodType  Attachment  Xa  Ya  Za  Xb  Yb  Zb  NumSegs  RodOutputs",
     "(#)  (name)  (word)  (m)  (m)  (m)  (m)  (m)  (m)  (-)  (-)",
-]  # fmt: skip
+]
 
 
 def _moordyn_types(kinds: np.ndarray, version: int) -> list[str]:

@@ -22,7 +22,7 @@ from model.environment.joint import (
 )  # fmt: skip
 
 METHODS = ("likelihood", "least_squares")
-CLASS_WIDTH = {WIND: 1.0, HEIGHT: 0.5}
+CLASS_WIDTH = {WIND: 1.0, HEIGHT: 0.25}
 _EXPONENTS = np.concatenate([np.linspace(-2, -0.05, 14), np.linspace(0.05, 5, 34)])
 _STEPS = 200
 _ANY_SIGN = ("mean_log", "location")
@@ -241,11 +241,11 @@ def bootstrap(fit: Fit, states: Mapping[str, np.ndarray], count: int = 200, bloc
         raise ValueError("the bootstrap needs a fit by likelihood")
     rng, n = np.random.default_rng(seed), fit.count
     blocks = -(-n // block)
-    drawn = np.stack([np.bincount(rng.integers(blocks, size=blocks), minlength=blocks) for _ in range(count)])
+    drawn = np.stack([np.bincount(rng.integers(blocks, size=blocks), minlength=blocks) for _ in range(count)]).astype(float)
     replicates = []
     for v in fit.variables:
         given = states[v.form.given] if v.form.given else None
-        start = {p: d.coefficients for p, d in v.variable.parameters.items()}
+        start = {p: v.variable.parameters[p].coefficients for p in v.form.forms}
         engine = _Likelihood(v.form, np.asarray(states[v.form.name], dtype=float), given, start)
         replicates.append(engine.replicates(drawn, block))
     return tuple(JointModel(variables=chain) for chain in zip(*replicates, strict=True))
@@ -342,7 +342,7 @@ def _weibull_least_squares(form: VariableForm, x) -> dict[str, tuple[float, ...]
 
     def regress(values):
         location, exponent = values.get("location", 0.0), values.get("exponent", 1.0)
-        y, z = np.log(x - location), np.log(-np.log(-np.expm1(np.log(p) / exponent)))
+        y, z = np.log(x - location), np.log(-np.log1p(-(p ** (1 / exponent))))
         w = x**2 / np.sum(x**2)
         my, mz = w @ y, w @ z
         slope = (w @ ((z - mz) * (y - my))) / (w @ (z - mz) ** 2)
@@ -373,16 +373,21 @@ def _fit_form(form: VariableForm, name: str, classes: Classes) -> tuple[float, .
     if kind == "constant":
         return (fixed.get(0, float(np.average(y, weights=classes.count))),)
 
+    least = -np.inf if name in _ANY_SIGN else 0.1 * y.min()
+
     def solve(third):
-        basis = np.stack([np.ones_like(x), form_value(kind, (0.0, 1.0, third), x)], axis=-1)
-        c = np.array([fixed.get(0, 0.0), fixed.get(1, 0.0)])
+        g, ends = (form_value(kind, (0.0, 1.0, third), at) for at in (x, classes.span))
+        basis, c = np.stack([np.ones_like(g), g], axis=-1), np.array([fixed.get(0, 0.0), fixed.get(1, 0.0)])
         free = [k for k in (0, 1) if k not in fixed]
         if free:
             c[free] = np.linalg.lstsq(w[:, None] * basis[:, free], w * (y - basis @ c), rcond=None)[0]
-        c = (float(c[0]), float(c[1]), float(third))
-        if name not in _ANY_SIGN and np.min(form_value(kind, c, classes.span)) <= 0:  # forms are monotonic: the ends decide
-            return 1e300, c
-        return float(np.sum((w * (y - basis @ c[:2])) ** 2)), c
+        low = ends[np.argmin(c[0] + c[1] * ends)]  # forms are monotonic: an end of the span decides
+        if c[0] + c[1] * low < least and len(free) == 2:
+            away = w * (g - low)
+            c[1] = (away @ (w * (y - least))) / (away @ away)
+            c[0] = least - c[1] * low
+        loss = np.sum((w * (y - basis @ c)) ** 2) if np.min(c[0] + c[1] * ends) > 0 or least < 0 else 1e300
+        return float(loss), (float(c[0]), float(c[1]), float(third))
 
     if 2 in fixed:
         return solve(fixed[2])[1]
@@ -393,80 +398,98 @@ def _fit_form(form: VariableForm, name: str, classes: Classes) -> tuple[float, .
     if low < 0 < high:  # 0 makes a constant of any form
         low, high = (low, -1e-3 * scale) if grid[best] < 0 else (1e-3 * scale, high)
     found = minimize_scalar(lambda t: solve(t)[0], bounds=(low, high), method="bounded", options={"xatol": 1e-8})
-    loss, c = min(solve(found.x), solve(grid[best]))
-    if loss < 1e300 or fixed:
-        return c
-    return float(np.average(y, weights=classes.count)), 0.0, float(scale)  # no form stays positive: a constant does
+    return min(solve(found.x), solve(grid[best]))[1]
 
 
 # --- likelihood -------------------------------------------------------------------------------------------------------
 
 
 class _Likelihood:
-    """The likelihood of one variable's coefficients, with its derivatives state by state."""
+    """The likelihood of one variable's coefficients, with its derivatives state by state.
+
+    It works in coordinates in which the likelihood is nearly quadratic: a form c1 + c2 g(x)^c3 that is nearly logarithmic has
+    huge c1 and c2 that all but cancel, so (value at a middle x0, slope there, c3) stand for (c1, c2, c3) where all three are free.
+    """
 
     def __init__(self, form: VariableForm, x, given, start: Mapping[str, Sequence[float]]):
         self.form, self.x, self.given = form, np.asarray(x, dtype=float), given
+        self.middle = None if given is None else float(np.median(given))
         self.names = tuple(form.forms)
         values = [list(start[p]) for p in self.names]
         self.slices = np.cumsum([0] + [len(v) for v in values])
-        self.c = np.concatenate(values).astype(float)
+        c = np.concatenate(values).astype(float)
         places = [(p, k) for p in self.names for k in range(FORMS[form.forms[p]])]
-        held = [key in form.fixed or key[0] == "location" for key in places]
         for k, key in enumerate(places):
-            self.c[k] = form.fixed.get(key, self.c[k])
+            c[k] = form.fixed.get(key, c[k])
+        held = [key in form.fixed or key[0] == "location" for key in places]
+        self.turned = [p for p in self.names if form.forms[p] in ("power", "exponential") and not any(key[0] == p for key in form.fixed)]
         self.moving = np.flatnonzero(~np.array(held))
         self.free = int(np.sum([key not in form.fixed for key in places]))
+        self.t = self._turn(c, _to_middle)
 
-    def parameters(self, c) -> dict[str, np.ndarray]:
+    def _turn(self, values, change) -> np.ndarray:
+        """Return coefficients in the other coordinates."""
+        out = np.array(values, dtype=float)
+        for k, p in enumerate(self.names):
+            if p in self.turned:
+                part = slice(self.slices[k], self.slices[k + 1])
+                out[part] = change(self.form.forms[p], out[part], self.middle)
+        return out
+
+    def parameters(self, t) -> dict[str, np.ndarray]:
         """Return the parameters of the distribution at every state."""
-        parts = {p: c[self.slices[k] : self.slices[k + 1]] for k, p in enumerate(self.names)}
-        return {p: form_value(self.form.forms[p], v, self.given) for p, v in parts.items()}
+        out = {}
+        for k, p in enumerate(self.names):
+            part, kind = t[self.slices[k] : self.slices[k + 1]], self.form.forms[p]
+            out[p] = _middle_value(kind, part, self.given, self.middle) if p in self.turned else form_value(kind, part, self.given)
+        return out
 
-    def value(self, c) -> float:
-        """Return the log-likelihood; minus infinity where a parameter is none."""
-        p = self.parameters(c)
+    def value(self, t) -> float:
+        """Return the log-likelihood; minus infinity where a parameter is out of its range."""
+        p = self.parameters(t)
         if _out_of_range(p):
             return -np.inf
         total = float(family_log_density(self.form.family, self.x, p).sum())
         return total if np.isfinite(total) else -np.inf
 
-    def scores(self, c) -> np.ndarray:
-        """Return the derivatives (n, k) of every state's log-likelihood with respect to the moving coefficients."""
-        native = family_score(self.form.family, self.x, self.parameters(c))
+    def scores(self, t) -> np.ndarray:
+        """Return the derivatives (n, k) of every state's log-likelihood with respect to the moving coordinates."""
+        native = family_score(self.form.family, self.x, self.parameters(t))
         blocks = []
         for k, p in enumerate(self.names):
-            part = c[self.slices[k] : self.slices[k + 1]]
-            x = self.given if self.form.forms[p] != "constant" else None
-            blocks.append(np.asarray(native[p])[..., None] * form_gradient(self.form.forms[p], part, x, 1 if x is None else len(self.x)))
-        return np.concatenate([np.broadcast_to(b, (len(self.x), b.shape[1])) for b in blocks], axis=1)[:, self.moving]
+            part, kind = t[self.slices[k] : self.slices[k + 1]], self.form.forms[p]
+            if p in self.turned:
+                inner = _middle_gradient(kind, part, self.given, self.middle)
+            else:
+                inner = form_gradient(kind, part, None if kind == "constant" else self.given)
+            blocks.append(np.asarray(native[p])[..., None] * inner)
+        return np.concatenate([np.broadcast_to(b, (len(self.x), b.shape[-1])) for b in blocks], axis=1)[:, self.moving]
 
     def maximise(self) -> None:
         """Climb to the largest likelihood with damped steps."""
-        damping, value = 1e-4, self.value(self.c)
+        damping, value = 1e-4, self.value(self.t)
         for _ in range(_STEPS):
-            s = self.scores(self.c)
+            s = self.scores(self.t)
             gradient, information = s.sum(axis=0), s.T @ s
             scale = np.sqrt(np.diag(information)) + 1e-300
             for _ in range(30):
                 matrix = information / np.outer(scale, scale) + damping * np.eye(len(scale))
-                step = np.linalg.solve(matrix, gradient / scale) / scale
-                trial = self.c.copy()
-                trial[self.moving] += step
+                trial = self.t.copy()
+                trial[self.moving] += np.linalg.solve(matrix, gradient / scale) / scale
                 new = self.value(trial)
                 if new > value:
                     break
                 damping = max(damping * 6, 1e-8)
             else:
                 return
-            gain, self.c, value = new - value, trial, new
+            gain, self.t, value = new - value, trial, new
             damping = max(damping / 6, 1e-10)
             if gain < 1e-7:
                 return
 
-    def variable(self, c=None) -> Variable:
-        """Return the distribution with coefficients c, by default the best found."""
-        c = self.c if c is None else c
+    def variable(self, t=None) -> Variable:
+        """Return the distribution at coordinates t, by default the best found."""
+        c = self._turn(self.t if t is None else t, _from_middle)
         out = {}
         for k, p in enumerate(self.names):
             kind, part = self.form.forms[p], tuple(c[self.slices[k] : self.slices[k + 1]])
@@ -475,32 +498,68 @@ class _Likelihood:
 
     def replicates(self, drawn: np.ndarray, block: int) -> list[Variable]:
         """Return the distribution refitted by one Newton step to each row of block counts (count, blocks)."""
-        s = self.scores(self.c)
-        starts = np.arange(0, len(s), block)
-        gradient = drawn @ np.add.reduceat(s, starts, axis=0)
+        s = self.scores(self.t)
+        gradient = drawn @ np.add.reduceat(s, np.arange(0, len(s), block), axis=0)
         steps = np.linalg.solve(self._curvature(), gradient.T).T
         out = []
         for step in steps:
-            c, share = self.c.copy(), 1.0
-            c[self.moving] += step
-            while _out_of_range(self.parameters(c)) and share > 1e-3:  # a step out of the range is taken back part of the way
+            t, share = self.t.copy(), 1.0
+            t[self.moving] += step
+            while _out_of_range(self.parameters(t)) and share > 1e-3:  # a step out of the range is taken back part of the way
                 share /= 2
-                c[self.moving] = self.c[self.moving] + share * step
-            out.append(self.variable(c))
+                t[self.moving] = self.t[self.moving] + share * step
+            out.append(self.variable(t))
         return out
 
     def _curvature(self) -> np.ndarray:
         """Return minus the second derivatives of the log-likelihood, by central differences of the gradient."""
-        size = 1e-4 / np.sqrt(np.diag(self.scores(self.c).T @ self.scores(self.c)) / len(self.x))
+        s = self.scores(self.t)
+        size = 1e-4 / np.sqrt(np.mean(s**2, axis=0))
         out = np.empty((len(self.moving),) * 2)
         for k, h in enumerate(size):
             ends = []
             for sign in (1, -1):
-                c = self.c.copy()
-                c[self.moving[k]] += sign * h
-                ends.append(self.scores(c).sum(axis=0))
+                t = self.t.copy()
+                t[self.moving[k]] += sign * h
+                ends.append(self.scores(t).sum(axis=0))
             out[k] = -(ends[0] - ends[1]) / (2 * h)
         return (out + out.T) / 2
+
+
+def _to_middle(kind: str, c, x0: float) -> np.ndarray:
+    """Return (value at x0, slope there with respect to ln x or x, c3) of c1 + c2 x^c3 or c1 + c2 exp(c3 x)."""
+    g = form_value(kind, (0.0, 1.0, c[2]), x0)
+    return np.array([c[0] + c[1] * g, c[1] * c[2] * g, c[2]])
+
+
+def _from_middle(kind: str, t, x0: float) -> np.ndarray:
+    """Return the coefficients of a form from its value, slope and c3; c3 is kept off zero, where the form is a logarithm."""
+    third = t[2] if abs(t[2]) > 1e-6 else 1e-6
+    g = form_value(kind, (0.0, 1.0, third), x0)
+    return np.array([t[0] - t[1] / third, t[1] / (third * g), third])
+
+
+def _middle_value(kind: str, t, x, x0: float) -> np.ndarray:
+    s = _distance(kind, x, x0)
+    return t[0] + t[1] * s * _expm1_ratio(t[2] * s)
+
+
+def _middle_gradient(kind: str, t, x, x0: float) -> np.ndarray:
+    s = _distance(kind, x, x0)
+    y = t[2] * s
+    ratio = _expm1_ratio(y)
+    small = np.abs(y) < 1e-4
+    slope = np.where(small, 0.5 + y / 3, (np.exp(y) - ratio) / np.where(small, 1.0, y))
+    return np.stack([np.ones_like(s), s * ratio, t[1] * s**2 * slope], axis=-1)
+
+
+def _distance(kind: str, x, x0: float) -> np.ndarray:
+    return np.log(np.maximum(x, 1e-12) / x0) if kind == "power" else np.asarray(x, dtype=float) - x0
+
+
+def _expm1_ratio(y) -> np.ndarray:
+    """Return (e^y - 1)/y, 1 at zero."""
+    return np.where(np.abs(y) < 1e-12, 1.0, np.expm1(y) / np.where(y == 0, 1.0, y))
 
 
 def _out_of_range(p: Mapping[str, np.ndarray]) -> bool:

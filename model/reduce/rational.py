@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag, null_space
+from scipy.linalg import null_space
 
 from model.conventions import freeze
 
@@ -51,15 +51,14 @@ def partial_fractions(s, poles) -> np.ndarray:
 
 def realisation(poles) -> tuple[np.ndarray, np.ndarray]:
     """Return A (b, b), block diagonal, and b (b) with (s - A)^-1 b the real basis of `partial_fractions`."""
-    blocks, drive = [], []
-    for p in poles:
-        if p.imag == 0:
-            blocks.append([[p.real]])
-            drive.append(1.0)
-        else:
-            blocks.append([[p.real, p.imag], [-p.imag, p.real]])
-            drive += [2.0, 0.0]
-    return block_diag(*blocks), np.array(drive)
+    poles = np.asarray(poles, dtype=complex)
+    size = np.where(poles.imag == 0, 1, 2)
+    at = np.cumsum(size) - size
+    a, drive, pairs = np.zeros((size.sum(), size.sum())), np.zeros(size.sum()), size == 2
+    a[at, at], drive[at] = poles.real, size
+    first, second, pair = at[pairs], at[pairs] + 1, poles[pairs]
+    a[second, second], a[first, second], a[second, first] = pair.real, pair.imag, -pair.imag
+    return a, drive
 
 
 def starting_poles(order: int, low: float, high: float, real: int) -> np.ndarray:
@@ -122,7 +121,7 @@ def stable(values) -> np.ndarray:
 
 
 def fit(
-    omega, values, weight, poles, *, order: str = "proper", rounds: int = 8, iterations: int = 8, part=None
+    omega, values, weight, poles, *, order: str = "proper", rounds: int = 6, iterations: int = 6, part=None
 ) -> tuple[RationalFit, float]:
     """Return the fit with the smallest largest error, and that error (weighted).
 

@@ -107,7 +107,10 @@ def damping_and_force(problem: DragProblem, linear: Linearised) -> tuple[np.ndar
 
 
 def mixed(history: list[tuple[Linearised, Linearised]]) -> Linearised:
-    """Return the next coefficients from the last (old, new) pairs: Anderson mixing of depth one, for each state apart."""
+    """Return the next coefficients from the last (old, new) pairs: Anderson mixing of depth one, for each state apart.
+
+    A state whose extrapolation would drive an element's coefficient below zero takes its last values unmixed.
+    """
     new = history[-1][1]
     if len(history) < 2:
         return new
@@ -118,6 +121,9 @@ def mixed(history: list[tuple[Linearised, Linearised]]) -> Linearised:
     share = np.einsum("sk,sk->s", f1, difference) / np.where(size > 0, size, 1.0)
     share = np.clip(share, -0.9, 0.9)[:, None]
     flat = g1 - share * (g1 - g0)
+    diagonal = flat[:, :-6].reshape(len(flat), -1, 4)[:, :, ::3]
+    driving = (diagonal.min(axis=(1, 2), initial=0.0) < 0) | (flat[:, -6:].min(axis=1) < 0)
+    flat = np.where(driving[:, None], g1, flat)
     return Linearised(b=flat[:, :-6].reshape(new.b.shape), own=flat[:, -6:])
 
 
@@ -151,7 +157,11 @@ def _assembled(problem: DragProblem, flat: np.ndarray, own: np.ndarray, cross: n
     c = cross.reshape(len(cross), -1, 2, flat.shape[1])
     mixed_part = np.einsum("seap,ebp->seab", c, g, optimize=True)
     water = _water_covariance(problem) if np.any(problem.water) else 0.0
-    return water + moved - mixed_part - mixed_part.swapaxes(-1, -2)
+    out = water + moved - mixed_part - mixed_part.swapaxes(-1, -2)
+    for k in (0, 1):  # where water and body move nearly alike, rounding must not make the difference vanish
+        largest = moved[..., k, k] + (water[..., k, k] if np.ndim(water) else 0.0)
+        out[..., k, k] = np.maximum(out[..., k, k], 1e-13 * largest)
+    return out
 
 
 def _borgman(problem: DragProblem, covariance: np.ndarray) -> np.ndarray:

@@ -109,7 +109,7 @@ def widen(part: Contribution, dofs: Sequence[str]) -> Contribution:
 
 
 def turbine_of_linearisation(
-    found: SecondOrder, contained: Sequence[Contribution], *, gravity: float, source: str, rigid_mass=None
+    found: SecondOrder, contained: Sequence[Contribution], *, gravity: float, source: str, rigid_mass=None, hub_motion=None
 ) -> TurbineMatrices:
     """Return the turbine alone: a linearisation less everything else that it holds.
 
@@ -117,34 +117,42 @@ def turbine_of_linearisation(
     infinite-frequency added mass, additional springs and dampers). The force on the turbine at the operating point
     follows from equilibrium there. ElastoDyn's finite rotation step is taken out of the stiffness; for that
     rigid_mass (r, r), the structural mass in platform motions and tower modes, is needed where there are other degrees
-    of freedom.
+    of freedom, and hub_motion (3, r), the hub's motion, where there is a mean aerodynamic force.
     """
     parts = [widen(p, found.dofs) for p in contained]
     structural = found.mass - sum((p.mass for p in parts if "added mass" in p.name), np.zeros_like(found.mass))
     q = len(found.dofs)
     zero = np.zeros((q, q))
     others = sum((p.force - p.stiffness @ (found.point - p.point) for p in parts), np.zeros(q))
+    step_error = _rotation_step_error(found.dofs, structural, rigid_mass, gravity, -others, parts, hub_motion)
     return TurbineMatrices(
         dofs=found.dofs,
         mass=found.mass - sum((p.mass for p in parts), zero),
         damping=found.damping - sum((p.damping for p in parts), zero),
-        stiffness=found.stiffness - sum((p.stiffness for p in parts), zero)
-        - _rotation_step_error(found.dofs, structural, rigid_mass, gravity),
+        stiffness=found.stiffness - sum((p.stiffness for p in parts), zero) - step_error,
         force=-others, point=found.point, wind_force=found.wind_force, wind_speed=found.wind_speed,
         rotor_speed=found.rotor_speed, source=source,
     )  # fmt: skip
 
 
-def _rotation_step_error(dofs, structural: np.ndarray, rigid_mass, gravity: float) -> np.ndarray:
-    """Return the stiffness error (q, q) of ElastoDyn's finite rotation step, by the accelerations of the rigid part."""
+def _rotation_step_error(dofs, structural, rigid_mass, gravity: float, force, parts, hub_motion) -> np.ndarray:
+    """Return the stiffness error (q, q) of ElastoDyn's finite rotation step, by the accelerations of the rigid part.
+
+    force (q) is the turbine's at the operating point; less its weight it is the mean aerodynamic force.
+    """
     rigid = [k for k, d in enumerate(dofs) if d in PLATFORM_DOFS + TOWER_MODES]
-    if len(rigid) == len(dofs):
-        return perturbation_error(structural, dofs, gravity)
+    names = tuple(dofs[k] for k in rigid)
+    if rigid_mass is None:
+        if len(rigid) < len(dofs):
+            return np.zeros_like(structural)
+        rigid_mass = structural
+    thrust = None
+    if hub_motion is not None and all(d in names for d in PLATFORM_DOFS[:3]):
+        own = rigid_mass[2, 2] - sum(p.mass[2, 2] for p in parts if "added mass" not in p.name)
+        thrust = np.array([force[dofs.index(d)] for d in PLATFORM_DOFS[:3]]) + [0.0, 0.0, own * gravity]
+    error = perturbation_error(np.asarray(rigid_mass), names, gravity, thrust, hub_motion)
     out = np.zeros_like(structural)
-    if rigid_mass is not None:
-        names = tuple(dofs[k] for k in rigid)
-        acceleration = np.linalg.solve(rigid_mass, perturbation_error(np.asarray(rigid_mass), names, gravity))
-        out[:, rigid] = structural[:, rigid] @ acceleration
+    out[:, rigid] = structural[:, rigid] @ np.linalg.solve(rigid_mass, error)
     return out
 
 

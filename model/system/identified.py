@@ -44,12 +44,12 @@ def has_load_inputs(record: Linearisation) -> bool:
     return all(_column(record, name) is not None for name in PLATFORM_LOADS)
 
 
-def inverse_mass(record: Linearisation, tower_top: float) -> np.ndarray:
+def inverse_mass(record: Linearisation, tower_top) -> np.ndarray:
     """Return the inverse mass matrix (q, q) of a record in the order of its degrees of freedom.
 
     A unit load on the platform accelerates the degrees of freedom by a column of the inverse mass matrix; the column of
-    a tower's first mode is that of a force on the tower top at height tower_top [m] less what it does to the platform. Other
-    degrees of freedom get a unit column: their equations are scaled to unit inertia.
+    a tower's first mode is that of a force on the tower top less what it does to the platform; tower_top is the height of
+    the top, or its place (3) at the operating point, where the bent tower is lower and aside [m]. Other degrees of freedom get a unit column: their equations are scaled to unit inertia.
     Raises ValueError when the record lacks the load inputs.
     """
     if not has_load_inputs(record):
@@ -58,18 +58,19 @@ def inverse_mass(record: Linearisation, tower_top: float) -> np.ndarray:
             "linearise with LinInputs = 2, or name the deck that made it so that the mass comes from there"
         )
     dofs, rates = _dofs(record)
+    x, y, z = (0.0, 0.0, float(tower_top)) if np.ndim(tower_top) == 0 else tower_top
     loads = np.stack([record.B[rates, _column(record, name)] for name in PLATFORM_LOADS], axis=1)
     out = np.zeros((len(dofs), len(dofs)))
     for k, dof in enumerate(dofs):
         if dof in PLATFORM_DOFS:
             out[:, k] = loads[:, PLATFORM_DOFS.index(dof)]
         elif dof in ("tower_fa1", "tower_ss1"):
-            axis, moment, sign = ("X", 4, 1.0) if dof == "tower_fa1" else ("Y", 3, -1.0)
+            axis, moments = ("X", z * loads[:, 4] - y * loads[:, 5]) if dof == "tower_fa1" else ("Y", x * loads[:, 5] - z * loads[:, 3])
             column = _column(record, f"ED Nacelle {axis} force, node 1")
             if column is None:
                 raise ValueError(f"{record.source} has no nacelle load inputs; linearise with LinInputs = 2")
             force = PLATFORM_DOFS.index("surge" if axis == "X" else "sway")
-            out[:, k] = record.B[rates, column] - loads[:, force] - sign * tower_top * loads[:, moment]
+            out[:, k] = record.B[rates, column] - loads[:, force] - moments
         elif dof in TOWER_MODES:
             raise ValueError(f"{record.source}: the mass matrix of {dof} beside a first mode cannot be recovered from loads")
         else:
@@ -78,11 +79,11 @@ def inverse_mass(record: Linearisation, tower_top: float) -> np.ndarray:
 
 
 def second_order(
-    records: list[Linearisation], tower_top: float, mass: np.ndarray | None = None, blades: int = 3
+    records: list[Linearisation], tower_top, mass: np.ndarray | None = None, blades: int = 3
 ) -> SecondOrder:
     """Return the azimuth-averaged second-order form of the records of one operating point, in the fixed frame.
 
-    records at equally spaced azimuths, all with the same states; tower_top [m]; mass (q, q) in the order of the records'
+    records at equally spaced azimuths, all with the same states; tower_top as in `inverse_mass`; mass (q, q) in the order of the records'
     degrees of freedom, None to recover it from the load inputs; blades, for multi-blade coordinates. The equations of
     degrees of freedom that no load input drives alone (blades, drivetrain) are scaled to unit inertia: the
     matrices then are not symmetric, the solution is the same. Raises ValueError.
@@ -105,12 +106,16 @@ def second_order(
     )  # fmt: skip
 
 
-def perturbation_error(structural_mass: np.ndarray, dofs: tuple[str, ...], gravity: float) -> np.ndarray:
-    """Return the part (q, q) of a linearised stiffness that ElastoDyn's finite rotation step adds to gravity's.
+def perturbation_error(
+    structural_mass: np.ndarray, dofs: tuple[str, ...], gravity: float, thrust=None, hub_motion=None
+) -> np.ndarray:
+    """Return the part (q, q) of a linearised stiffness that ElastoDyn's finite rotation step adds.
 
     ElastoDyn turns the platform by +-2 degrees and differences the accelerations. Between the two the mass matrix turns with
     the platform, so the difference quotient of M(t)^-1 f(t) is not the derivative; with uniform gravity a0 the
-    acceleration is a0 - M(t)^-1 M(0) a0, which needs the structural mass (q, q) alone (without added mass).
+    acceleration is a0 - M(t)^-1 M(0) a0, which needs the structural mass (q, q) alone (without added mass). A mean
+    aerodynamic force thrust (3) [N] on a point of the turbine, whose motion is hub_motion (3, q), adds to it: it keeps
+    its direction while the point turns.
     """
     q = len(dofs)
     fall = np.array([-gravity if dof == "heave" else 0.0 for dof in dofs])
@@ -123,8 +128,13 @@ def perturbation_error(structural_mass: np.ndarray, dofs: tuple[str, ...], gravi
         direction = np.eye(3)[k]
 
         def turned(angle, direction=direction):
-            t = _turn(dofs, rotation(direction * angle))
-            return fall - t @ np.linalg.solve(structural_mass, t.T @ weight)
+            matrix = rotation(direction * angle)
+            t = _turn(dofs, matrix)
+            out = fall - t @ np.linalg.solve(structural_mass, t.T @ weight)
+            if thrust is not None:
+                change = t @ (hub_motion.T @ (matrix.T @ thrust)) - hub_motion.T @ thrust
+                out = out + t @ np.linalg.solve(structural_mass, t.T @ change)
+            return out
 
         angle, small = ROTATION_STEP, 1e-5
         coarse = (turned(angle) - turned(-angle)) / (2 * angle)

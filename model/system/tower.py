@@ -109,3 +109,11 @@ def tower_modes(tower: Tower, names: tuple[str, ...]) -> TowerModes:
         damping=stiffness * (2 * tower.damping_ratio[index] / alone)[None, :] if len(index) else stiffness,
         shortening=total - slopes / 2, top_shortening=total[-1],
     )  # fmt: skip
+
+
+def top_place(tower: Tower, names: tuple[str, ...], deflection) -> np.ndarray:
+    """Return the place (3) [m] of the tower top bent by `deflection` (k) [m] of the named modes, lowered by the shortening."""
+    shapes, bent = tower_modes(tower, names), np.asarray(deflection, dtype=float)
+    fore_aft = np.array([n.startswith("tower_fa") for n in names], dtype=bool)
+    lowered = bent @ shapes.top_shortening @ bent / 2 if names else 0.0
+    return np.array([bent[fore_aft].sum(), bent[~fore_aft].sum(), tower.top_height - lowered])

@@ -284,12 +284,12 @@ class TestCommittedOc4:
     def test_long_wave_forces_lead_by_a_quarter_in_surge_and_none_in_heave(self):
         f = excitation_at(self.hydro, self.hydro.omega[:1], 0.0)[0]
         # the long-wave surge force goes with the water's acceleration, whose phase at the origin is +90 deg (elevation
-        # e^{i(omega t - k x)}, so pressure gradient +i k). Scattered waves enter with k a, 1e-2 at 0.05 rad/s: half a degree
+        # e^{i(omega t - k x)}, so pressure gradient +i k). Scattered waves enter with k a, 1e-2: half a degree
         assert np.degrees(np.angle(f[0])) == pytest.approx(90.0, abs=0.5)
         assert np.degrees(np.angle(f[2])) == pytest.approx(0.0, abs=0.5)
 
     def test_opposite_headings_conjugate_nothing_but_mirror(self):
-        """The platform is its own mirror image in y = 0: heading -b has the same surge, heave, pitch, opposite sway, roll, yaw."""
+        """The platform mirrors itself in y = 0: heading -b turns the signs of sway, roll and yaw."""
         f = excitation_at(self.hydro, self.hydro.omega, np.radians([30.0, -30.0]))
         mirror = np.array([1, -1, 1, -1, 1, -1])
         # the mesh is a mirror image too: six printed digits of the largest value
@@ -310,7 +310,7 @@ class TestCommittedOc4:
         k, group = omega**2 / g, g / (2 * omega)
         want = (k / (4 * rho * g * group))[:, None] * mean_square
         own = np.diagonal(self.hydro.radiation_damping[some], axis1=1, axis2=2)
-        # both come from the same mesh by different integrals: 3 % of the largest damping of the mode; in heave the forces
+        # both come from the same mesh by different integrals: 3 % of the mode's largest damping; in heave the forces
         # on columns and plates nearly cancel, so their discretisation errors show enlarged
         for mode, tolerance in ((0, 0.03), (1, 0.03), (2, 0.12), (5, 0.03)):
             np.testing.assert_allclose(

@@ -55,7 +55,7 @@ FIELDS = (
 
 
 def assert_equal(got, want, tolerance, fields=FIELDS, **looser):
-    """Compare fields, each relative to its largest value among forces and among moments; `looser` names fields with their own."""
+    """Compare fields, each relative to its largest force and moment; `looser` gives fields a tolerance of their own."""
     for name in fields:
         a, b = getattr(got, name), getattr(want, name)
         if b is None or a is None:

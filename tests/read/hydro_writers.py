@@ -125,7 +125,8 @@ def _lis_statics(h, centre, s) -> list[str]:
         "   STRUCTURE C.O.G.            GX= {:9.4f}  GY= {:9.4f}  GZ= {:9.4f}".format(*centre),
         f"   MESH BASED DISPLACEMENT  . . . . . . . .   = {h.volume:13.5E}",
         f"   POSITION OF THE CENTRE OF BUOYANCY      BX = {x:13.4f}",
-        f"                                           BY = {y:13.4f}", f"                                           BZ = {z:13.4f}",
+        f"                                           BY = {y:13.4f}",
+        f"                                           BZ = {z:13.4f}",
     ]  # fmt: skip
 
 

@@ -151,13 +151,20 @@ def _version_2(fst: Path) -> None:
 # --- linearisation files ----------------------------------------------------------------------------------------------
 
 
-def lin_text(matrices: dict, states, inputs, outputs, *, order_column=True, digits=9, wind_speed=True, prefix="") -> str:
+def lin_text(
+    matrices: dict, states, inputs, outputs, *, order_column=True, digits=9, wind_speed=True, prefix=""
+) -> str:
     """Return the text of an OpenFAST linearisation file.
 
     matrices by name, those besides A to D come as Jacobians; states (name, point, rotating, order), inputs and outputs
     (name, point, rotating), point a number or three.
     """
-    out = ["", f"Linearized model: {prefix}made by the tests", " linked with  NWTC Subroutine Library; ElastoDyn; Some (<1>)", ""]
+    out = [
+        "",
+        f"Linearized model: {prefix}made by the tests",
+        " linked with  NWTC Subroutine Library; ElastoDyn; Some (<1>)",
+        "",
+    ]
     out += ["Description from the FAST input file: a sample", "", "Simulation information:"]
     out += ["   Simulation time:   10.0 s", "   Rotor Speed:   1.2500 rad/s", "   Azimuth:   0.5000 rad"]
     out += ["   Wind Speed:   11.0000 m/s"] if wind_speed else []
@@ -184,11 +191,19 @@ def lin_text(matrices: dict, states, inputs, outputs, *, order_column=True, digi
 def _lin_table(title, rows, order_column, digits) -> list[str]:
     if not rows:
         return []
-    head = "   Row/Column Operating Point   Rotating Frame?" + (" Derivative Order" if order_column else "") + " Description"
+    head = (
+        "   Row/Column Operating Point   Rotating Frame?"
+        + (" Derivative Order" if order_column else "")
+        + " Description"
+    )
     out = [title, head, "   ---------- ---------------   --------------- -----------"]
     for k, (name, point, rotating, order) in enumerate(rows, start=1):
         values = ", ".join(f"{v:.{digits}E}" for v in np.atleast_1d(point))
-        out.append(f"  {k:9d}   {values}      {'T' if rotating else 'F'}   " + (f"   {order}     " if order_column else "") + name)
+        out.append(
+            f"  {k:9d}   {values}      {'T' if rotating else 'F'}   "
+            + (f"   {order}     " if order_column else "")
+            + name
+        )
     return [*out, ""]
 
 
@@ -200,11 +215,15 @@ def _lin_matrix(name, matrix, digits) -> list[str]:
 # --- binary time series and wind --------------------------------------------------------------------------------------
 
 
-def outb_bytes(time, data, names, units, form: int, *, width: int = 10, description: str = "made by the tests") -> bytes:
+def outb_bytes(
+    time, data, names, units, form: int, *, width: int = 10, description: str = "made by the tests"
+) -> bytes:
     """Return an OpenFAST binary output file; form is FileFmtID."""
     time, data = np.asarray(time, dtype=float), np.asarray(data, dtype=float)
     channels, steps = data.shape[1], len(time)
-    out = struct.pack("<h", form) + (struct.pack("<h", width) if form == 4 else b"") + struct.pack("<ii", channels, steps)
+    out = (
+        struct.pack("<h", form) + (struct.pack("<h", width) if form == 4 else b"") + struct.pack("<ii", channels, steps)
+    )
     scale = (2**31 - 1) / max(np.ptp(time), 1e-9) * 0.999
     offset = -scale * time.mean()
     out += struct.pack("<dd", scale, offset) if form == 1 else struct.pack("<dd", time[0], time[1] - time[0])
@@ -231,7 +250,9 @@ def bts_bytes(velocity, *, dy=10.0, dz=10.0, dt=0.1, speed=12.0, hub=90.0, botto
     offset = (-32767 - slope * low).astype(np.float32)
     text = b"made by the tests"
     scales = [v for pair in zip(slope, offset, strict=True) for v in pair]
-    head = struct.pack("<h4i6f", ident, nz, ny, tower, steps, dz, dy, dt, speed, hub, bottom) + struct.pack("<6f", *scales)
+    head = struct.pack("<h4i6f", ident, nz, ny, tower, steps, dz, dy, dt, speed, hub, bottom) + struct.pack(
+        "<6f", *scales
+    )
     packed = np.round(velocity * slope + offset).astype("<i2").reshape(steps, -1)
     with_tower = np.hstack([packed, np.full((steps, 3 * tower), 7, dtype="<i2")])
     return head + struct.pack("<i", len(text)) + text + with_tower.astype("<i2").tobytes()

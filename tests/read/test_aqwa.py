@@ -9,7 +9,8 @@ from hydro_samples import FIELDS, assert_equal, flips, put, synthetic, truncatio
 from hydro_writers import ah1_text, lis_text
 
 from fowtio.errors import FormatError
-from fowtio.read.aqwa import AQWA_AH1, AQWA_LIS, read_aqwa, read_aqwa_ah1, read_aqwa_lis
+from fowtio.read.aqwa import AQWA_AH1, read_aqwa, read_aqwa_ah1
+from fowtio.read.aqwa_lis import AQWA_LIS, read_aqwa_lis
 
 CENTRE = (1.5, -2.5, -8.25)
 AH1 = {"excitation": 2e-4}  # phases to a hundredth of a degree

@@ -115,9 +115,9 @@ def two_bodies(d: xr.Dataset) -> xr.Dataset:
     first, second = labelled(d, "left"), labelled(d, "right")
     scaled = ["added_mass", "radiation_damping", "excitation_force", "hydrostatic_stiffness"]
     second = second.assign({k: (2 * second[k]).assign_attrs(second[k].attrs) for k in scaled})
-    both = xr.merge([first[scaled], second[scaled]], join="outer", combine_attrs="override").fillna(
-        {"added_mass": 0, "radiation_damping": 0}
-    )
+    both = xr.merge(
+        [first[scaled], second[scaled]], join="outer", combine_attrs="override", compat="no_conflicts"
+    ).fillna({"added_mass": 0, "radiation_damping": 0})
     return both.assign_coords(d[["g", "rho", "water_depth"]].coords)
 
 
@@ -202,7 +202,7 @@ def test_recognition(path, tmp_path):
 @pytest.mark.reference
 @pytest.mark.skipif("FOWTIO_FORMATS" not in os.environ, reason="FOWTIO_FORMATS names no folder")
 def test_real_file_of_two_equal_bodies():
-    """Two equal spheres 10 m apart along y: mirror images, so their surge and heave agree but for the wave's path."""
+    """Two equal bodies 10 m apart along y: mirror images, so their surge and heave agree but for the wave's path."""
     path = Path(os.environ["FOWTIO_FORMATS"]) / "capytaine/two_bodies.nc"
     first, second = (read_capytaine(path, body=k) for k in ("Body 1", "Body 2"))
     np.testing.assert_allclose(first.added_mass[:, 0, 0], second.added_mass[:, 0, 0], rtol=1e-3)

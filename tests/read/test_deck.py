@@ -64,7 +64,9 @@ def same_deck(old, new):
     for key in ("depth", "density", "gravity"):
         assert getattr(old, key) == getattr(new, key)
     for key in ("station", "mass_density", "stiffness_fa", "modes", "damping_ratio"):
-        np.testing.assert_array_equal(getattr(old.elastodyn.structure.tower, key), getattr(new.elastodyn.structure.tower, key))
+        np.testing.assert_array_equal(
+            getattr(old.elastodyn.structure.tower, key), getattr(new.elastodyn.structure.tower, key)
+        )
     for body in ("platform", "nacelle"):
         pair = [getattr(d.elastodyn.structure, body) for d in (old, new)]
         np.testing.assert_array_equal(*(rigid_mass(b.mass, b.centre, b.inertia) for b in pair))
@@ -117,11 +119,18 @@ def test_aerodyn_and_servodyn_need_not_be_there(fst):
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [
-        ("CompSub", "1", "SubDyn"), ("CompElast", "3", "simplified ElastoDyn"), ("CompMooring", "2", "FEAMooring"),
-        ("CompIce", "2", "IceDyn"), ("MHK", "2", "floating"), ("NRotors", "2", "NRotors"), ("CompSeaSt", "0", "CompSeaSt 1"),
-        ("CompHydro", "NaN", "a whole number"), ("MSL2SWL", "1.5", "still water"), ("Gravity", "*****", "a number"),
+        ("CompSub", "1", "SubDyn"),
+        ("CompElast", "3", "simplified ElastoDyn"),
+        ("CompMooring", "2", "FEAMooring"),
+        ("CompIce", "2", "IceDyn"),
+        ("MHK", "2", "floating"),
+        ("NRotors", "2", "NRotors"),
+        ("CompSeaSt", "0", "CompSeaSt 1"),
+        ("CompHydro", "NaN", "a whole number"),
+        ("MSL2SWL", "1.5", "still water"),
+        ("Gravity", "*****", "a number"),
     ],
-)  # fmt: skip
+)
 def test_what_the_primary_file_may_not_ask(fst, name, value, words):
     samples.set_value(fst, name, value)
     refused(fst, words, line=samples.line_of(fst, name))
@@ -130,11 +139,17 @@ def test_what_the_primary_file_may_not_ask(fst, name, value, words):
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [
-        ("NBody", "2", "one potential-flow body"), ("PtfmRefzt", "-5", "reference point"), ("PotMod", "2", "WAMIT form"),
-        ("NJoints", "43", "after 43 rows"), ("NJoints", "45", "44 rows"), ("NMembers", "24", "after 24 rows"),
-        ("NPropSetsCyl", "3", "after 3 rows"), ("NAxCoef", "1", "after 1 rows"), ("NAddDOF", "1", "a rigid body"),
+        ("NBody", "2", "one potential-flow body"),
+        ("PtfmRefzt", "-5", "reference point"),
+        ("PotMod", "2", "WAMIT form"),
+        ("NJoints", "43", "after 43 rows"),
+        ("NJoints", "45", "44 rows"),
+        ("NMembers", "24", "after 24 rows"),
+        ("NPropSetsCyl", "3", "after 3 rows"),
+        ("NAxCoef", "1", "after 1 rows"),
+        ("NAddDOF", "1", "a rigid body"),
     ],
-)  # fmt: skip
+)
 def test_what_hydrodyn_may_not_ask(fst, name, value, words):
     samples.set_value(fst.parent / "HydroDyn.dat", name, value)
     refused(fst, words, file="HydroDyn.dat")
@@ -143,7 +158,11 @@ def test_what_hydrodyn_may_not_ask(fst, name, value, words):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("     42     14.43376     25.00000    -19.94000          1", "     42     14.43376     25.00000    -19.94000          7", "JointAxID 7"),
+        (
+            "     42     14.43376     25.00000    -19.94000          1",
+            "     42     14.43376     25.00000    -19.94000          7",
+            "JointAxID 7",
+        ),
         ("     43    -28.86751", "     42    -28.86751", "every joint once"),
         ("      24        10        43 ", "      23        10        43 ", "every member once"),
         ("      24        10        43 ", "      24        10        99 ", "JointID 99"),
@@ -153,7 +172,7 @@ def test_what_hydrodyn_may_not_ask(fst, name, value, words):
         ("        3           3        1         0.0", "        3           9        1         0.0", "MPropSetID 9"),
         ("    1 0.56 0.56", "   26 0.56 0.56", "coefficients of member 1"),
     ],
-)  # fmt: skip
+)
 def test_tables_of_hydrodyn_that_do_not_fit(fst, old, new, words):
     path = fst.parent / "HydroDyn.dat"
     text = path.read_text()
@@ -169,13 +188,17 @@ def test_tables_of_hydrodyn_that_do_not_fit(fst, old, new, words):
 @pytest.mark.parametrize(
     ("file", "name", "value", "words"),
     [
-        ("ElastoDyn.dat", "NumBl", "4", "1 to 3 blades"), ("ElastoDyn.dat", "TipRad", "1", "TipRad above HubRad"),
-        ("ElastoDyn.dat", "TowerHt", "5", "TowerHt above"), ("ElastoDyn.dat", "PtfmRefzt", "-3", "PtfmRefzt = 0"),
-        ("ElastoDyn.dat", "PreCone(2)", "-3", "equal PreCone"), ("ElastoDyn.dat", "NacYIner", "1", "at least"),
-        ("ElastoDyn_Tower.dat", "NTwInpSt", "10", "after 10 rows"), ("ElastoDyn_Tower.dat", "NTwInpSt", "12", "11 rows"),
+        ("ElastoDyn.dat", "NumBl", "4", "1 to 3 blades"),
+        ("ElastoDyn.dat", "TipRad", "1", "TipRad above HubRad"),
+        ("ElastoDyn.dat", "TowerHt", "5", "TowerHt above"),
+        ("ElastoDyn.dat", "PtfmRefzt", "-3", "PtfmRefzt = 0"),
+        ("ElastoDyn.dat", "PreCone(2)", "-3", "equal PreCone"),
+        ("ElastoDyn.dat", "NacYIner", "1", "at least"),
+        ("ElastoDyn_Tower.dat", "NTwInpSt", "10", "after 10 rows"),
+        ("ElastoDyn_Tower.dat", "NTwInpSt", "12", "11 rows"),
         ("ElastoDyn_Blade.dat", "NBlInpSt", "48", "after 48 rows"),
     ],
-)  # fmt: skip
+)
 def test_what_the_structure_may_not_be(fst, file, name, value, words):
     samples.set_value(fst.parent / file, name, value)
     refused(fst, words, file=file)
@@ -226,7 +249,9 @@ def test_ballast_is_a_cylinder_of_fluid(fst):
     np.testing.assert_allclose(body.centre, [14.43376, 25.0, -9.0], rtol=1e-12)
     across = mass * (diameter**2 / 16 + height**2 / 12)
     # Gauss's rule is exact for these polynomials: rounding only
-    np.testing.assert_allclose(body.inertia, np.diag([across, across, mass * diameter**2 / 8]), rtol=1e-10, atol=across * 1e-12)
+    np.testing.assert_allclose(
+        body.inertia, np.diag([across, across, mass * diameter**2 / 8]), rtol=1e-10, atol=across * 1e-12
+    )
     assert any("ballast" in note for note in hydro.notes)
 
 
@@ -252,7 +277,9 @@ def test_ballast_of_a_sloping_cone_and_of_dry_members(tmp_path, fst):
     assert ballast(read_hydrodyn(filled(other, [" 1   2   -20.0  1000.0"])), 1025.0) is None
 
 
-@pytest.mark.parametrize("row", [" 1   99   -4.0  1000", " 2   2 2   -4.0  1000", " 2   2   -4.0  1000", " 1  2  x 1000", " 1 2 -4"])
+@pytest.mark.parametrize(
+    "row", [" 1   99   -4.0  1000", " 2   2 2   -4.0  1000", " 2   2   -4.0  1000", " 1  2  x 1000", " 1 2 -4"]
+)
 def test_fillings_that_do_not_fit(fst, row):
     with pytest.raises(FormatError) as error:
         read_hydrodyn(filled(fst, [row]))

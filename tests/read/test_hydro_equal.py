@@ -37,9 +37,9 @@ BODIES = {"synthetic": made_up, "oc4": oc4}
 
 
 # what each format keeps of a number, relative to the largest: seven digits (WAMIT, Nemoh), five digits with phases to a
-# hundredth of a degree, 0.9e-4 rad (AH1), three digits of forces, up to 5e-3 (LIS), double precision (netCDF, OrcaFlex);
-# moving the point adds (force x arm) to the moments, which are of that size. WAMIT's damping and omega go through the
-# period, the centres in Nemoh and AQWA have three decimals (exact here)
+# hundredth of a degree, 0.9e-4 rad (AH1), three digits of forces, up to 5e-3 (LIS), double precision (netCDF,
+# OrcaFlex); moving the point adds (force x arm) to the moments, which are of that size. WAMIT's damping and omega go
+# through the period, the centres in Nemoh and AQWA have three decimals (exact here)
 TOLERANCE = {
     "wamit": {"default": 1e-6},
     "capytaine": {"default": 0.0},

@@ -65,7 +65,9 @@ def test_what_a_file_says(tmp_path):
 def test_repeat_turns_clockwise(tmp_path):
     # OpenFAST 5 with MAP++: a line towards 60 degrees with `repeat 240 120` has T[2] along 180 and T[3] towards 300 degrees
     x, y = float(800 * np.cos(np.pi / 3)), float(800 * np.sin(np.pi / 3))
-    text = SAMPLE.replace("1 Fix     800   0", f"1 Fix {x!r} {y!r}").replace(" repeat 120\n repeat 240", " repeat 240 120")
+    text = SAMPLE.replace("1 Fix     800   0", f"1 Fix {x!r} {y!r}").replace(
+        " repeat 120\n repeat 240", " repeat 240 120"
+    )
     system = mooring(tmp_path, text)
     anchors = system.position[[0, 3, 6]]
     towards = np.degrees(np.arctan2(anchors[:, 1], anchors[:, 0])) % 360
@@ -89,14 +91,26 @@ def test_embedded_file(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "line", "words"),
     [
-        ("2 ROPE ", "2 wire ", 17, "a line type"), ("370  2 3", "370  2 9", 17, "a node"), ("450  1 2 tension_fair gx_pos", "450  1", 16, "5 columns"),
-        ("1 chain 450", "1 chain #450", 16, "iteration"), ("gx_pos", "OMIT_CONTACT", 16, "seabed"), ("altitude", "LINEAR_SPRING", 17, "catenaries"),
-        ("gx_pos", "DAMAGE_TIME 100", 16, "break"), ("2 Connect", "2 Conect", 11, "Fix, Vessel or Connect"), ("2000 1.5 10", "2000 1.5 #", 11, "Connect node"),
-        ("-14    0 0", "-14    50 0", 12, "platform's mass"), ("3 VESSEL", "2 VESSEL", 12, "every node once"), ("rope      0.2", "CHAIN   0.2", 5, "every line type once"),
-        ("113.35", "NaN", 4, "a number"), ("1.0D8", "*****", 5, "a number"), ("(-)       (m)", "x       (m)", 3, "units"), ("repeat 240", "repeat x", 25, "a number"),
-        ("Fix     800   0  depth", "Fix     800   0  -250", None, "seabed"), ("1 chain 450", "1 chain -450", None, "length"),
+        ("2 ROPE ", "2 wire ", 17, "a line type"),
+        ("370  2 3", "370  2 9", 17, "a node"),
+        ("450  1 2 tension_fair gx_pos", "450  1", 16, "5 columns"),
+        ("1 chain 450", "1 chain #450", 16, "iteration"),
+        ("gx_pos", "OMIT_CONTACT", 16, "seabed"),
+        ("altitude", "LINEAR_SPRING", 17, "catenaries"),
+        ("gx_pos", "DAMAGE_TIME 100", 16, "break"),
+        ("2 Connect", "2 Conect", 11, "Fix, Vessel or Connect"),
+        ("2000 1.5 10", "2000 1.5 #", 11, "Connect node"),
+        ("-14    0 0", "-14    50 0", 12, "platform's mass"),
+        ("3 VESSEL", "2 VESSEL", 12, "every node once"),
+        ("rope      0.2", "CHAIN   0.2", 5, "every line type once"),
+        ("113.35", "NaN", 4, "a number"),
+        ("1.0D8", "*****", 5, "a number"),
+        ("(-)       (m)", "x       (m)", 3, "units"),
+        ("repeat 240", "repeat x", 25, "a number"),
+        ("Fix     800   0  depth", "Fix     800   0  -250", None, "seabed"),
+        ("1 chain 450", "1 chain -450", None, "length"),
     ],
-)  # fmt: skip
+)
 def test_what_is_refused_with_its_line(tmp_path, old, new, line, words):
     assert old in SAMPLE
     with pytest.raises(FormatError) as error:
@@ -113,7 +127,11 @@ def test_a_missing_section(tmp_path, title):
 
 @pytest.mark.parametrize("dress", ["crlf", "tabs", "latin-1"])
 def test_other_dress(tmp_path, dress):
-    text = {"crlf": SAMPLE.replace("\n", "\r\n"), "tabs": SAMPLE.replace("  ", "\t"), "latin-1": SAMPLE.replace("a comment", "Länge")}
+    text = {
+        "crlf": SAMPLE.replace("\n", "\r\n"),
+        "tabs": SAMPLE.replace("  ", "\t"),
+        "latin-1": SAMPLE.replace("a comment", "Länge"),
+    }
     path = tmp_path / "map.dat"
     path.write_bytes(text[dress].encode("latin-1"))
     np.testing.assert_array_equal(map_mooring(read_map(path), **WATER).position, mooring(tmp_path).position)
@@ -135,14 +153,28 @@ def test_round_trip(tmp_path):
 
 
 @given(
-    st.floats(1e-3, 1), st.floats(1, 2000), st.floats(1e6, 1e10), st.floats(0, 2), st.floats(10, 3000), st.floats(-1e3, 1e3),
-)  # fmt: skip
+    st.floats(1e-3, 1),
+    st.floats(1, 2000),
+    st.floats(1e6, 1e10),
+    st.floats(0, 2),
+    st.floats(10, 3000),
+    st.floats(-1e3, 1e3),
+)
 def test_round_trip_of_any_numbers(tmp_path_factory, diameter, mass, stiffness, friction, length, x):
     system = MooringSystem(
-        point_names=("a", "f"), point_kind=("fixed", "vessel"), position=[[x, 1 / 3, -200], [x / 7, 0, -14.1]], line_names=("l",),
-        end_a=[0], end_b=[1], length=[length], mass_per_length=[mass], diameter=[diameter], axial_stiffness=[stiffness],
-        seabed_friction=[friction], **WATER,
-    )  # fmt: skip
+        point_names=("a", "f"),
+        point_kind=("fixed", "vessel"),
+        position=[[x, 1 / 3, -200], [x / 7, 0, -14.1]],
+        line_names=("l",),
+        end_a=[0],
+        end_b=[1],
+        length=[length],
+        mass_per_length=[mass],
+        diameter=[diameter],
+        axial_stiffness=[stiffness],
+        seabed_friction=[friction],
+        **WATER,
+    )
     path = tmp_path_factory.mktemp("map") / "any.dat"
     equal(map_mooring(read_map(write_map(system, path)), **WATER), system)
 

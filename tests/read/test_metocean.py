@@ -14,11 +14,17 @@ from fowtio.read.metocean_columns import KNOT
 N = 30
 RNG = np.random.default_rng(5)
 TIME = pd.date_range("2020-02-28 20:00", periods=N, freq="h")
-SPEED, HEIGHT, PERIOD = np.round(RNG.uniform(3, 25, N), 2), np.round(RNG.uniform(0.5, 8, N), 2), np.round(RNG.uniform(4, 15, N), 2)
+SPEED, HEIGHT, PERIOD = (
+    np.round(RNG.uniform(3, 25, N), 2),
+    np.round(RNG.uniform(0.5, 8, N), 2),
+    np.round(RNG.uniform(4, 15, N), 2),
+)
 
 
 def frame(**more):
-    return pd.DataFrame({"time": TIME.strftime("%Y-%m-%d %H:%M"), "wind speed (m/s)": SPEED, "Hs (m)": HEIGHT, "Tp (s)": PERIOD} | more)
+    return pd.DataFrame(
+        {"time": TIME.strftime("%Y-%m-%d %H:%M"), "wind speed (m/s)": SPEED, "Hs (m)": HEIGHT, "Tp (s)": PERIOD} | more
+    )
 
 
 def read(tmp_path, data, name="a.csv", sep=",", encoding="utf-8", **keywords):
@@ -60,7 +66,13 @@ def test_xlsx(tmp_path):
 
 
 def test_netcdf(tmp_path):
-    data = frame().assign(time=TIME).set_index("time").rename(columns={"wind speed (m/s)": "ws", "Hs (m)": "swh", "Tp (s)": "pp1d"}).to_xarray()
+    data = (
+        frame()
+        .assign(time=TIME)
+        .set_index("time")
+        .rename(columns={"wind speed (m/s)": "ws", "Hs (m)": "swh", "Tp (s)": "pp1d"})
+        .to_xarray()
+    )
     data["ws"] = data["ws"] / KNOT
     data["ws"].attrs["units"] = "knots"
     data.expand_dims(latitude=[58.0]).to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
@@ -75,10 +87,20 @@ def test_netcdf(tmp_path):
 @pytest.mark.parametrize(
     ("headings", "units"),
     [
-        (("time", "U10", "Hm0", "Tp"), ""), (("Timestamp", "WSPD", "WVHT", "DPD"), ""), (("date_time", "wind_speed_100m", "significant_wave_height", "peak_wave_period"), ""),
-        (("time(YYYY-MM-DD HH:MM)", "1-hour mean wind speed at 90m(m/s)", "Significant wave height(m)", "Peak period(s)"), ""),
+        (("time", "U10", "Hm0", "Tp"), ""),
+        (("Timestamp", "WSPD", "WVHT", "DPD"), ""),
+        (("date_time", "wind_speed_100m", "significant_wave_height", "peak_wave_period"), ""),
+        (
+            (
+                "time(YYYY-MM-DD HH:MM)",
+                "1-hour mean wind speed at 90m(m/s)",
+                "Significant wave height(m)",
+                "Peak period(s)",
+            ),
+            "",
+        ),
     ],
-)  # fmt: skip
+)
 def test_headings_in_use(tmp_path, headings, units):
     data = frame()
     data.columns = headings
@@ -87,8 +109,14 @@ def test_headings_in_use(tmp_path, headings, units):
 
 @pytest.mark.parametrize(
     ("heading", "factor"),
-    [("wind speed (kn)", 1852 / 3600), ("wind speed [knots]", 1852 / 3600), ("wind speed (km/h)", 1 / 3.6), ("ws (mph)", 0.44704), ("ws (m s-1)", 1.0)],
-)  # fmt: skip
+    [
+        ("wind speed (kn)", 1852 / 3600),
+        ("wind speed [knots]", 1852 / 3600),
+        ("wind speed (km/h)", 1 / 3.6),
+        ("ws (mph)", 0.44704),
+        ("ws (m s-1)", 1.0),
+    ],
+)
 def test_units(tmp_path, heading, factor):
     data = frame().rename(columns={"wind speed (m/s)": heading})
     np.testing.assert_allclose(read(tmp_path, data)["wind_speed"], SPEED * factor, rtol=1e-12)
@@ -105,10 +133,17 @@ def test_unknown_unit_and_given_unit(tmp_path):
 @pytest.mark.parametrize(
     ("form", "zone", "shift"),
     [
-        ("%Y-%m-%d-%H", "UTC", 0), ("%Y-%m-%dT%H:%M:%SZ", "Europe/Oslo", 0), ("%Y-%m-%dT%H:%M:%S+02:00", "UTC", -2), ("%Y-%m-%d %H:%M", "Europe/Oslo", -1),
-        ("%Y%m%d%H", "UTC", 0), ("%Y%m%d%H%M", "UTC", 0), ("%d/%m/%Y %H:%M", "UTC", 0), ("%d.%m.%Y %H:%M", "UTC", 0), ("%m/%d/%Y %H:%M", "UTC", 0),
+        ("%Y-%m-%d-%H", "UTC", 0),
+        ("%Y-%m-%dT%H:%M:%SZ", "Europe/Oslo", 0),
+        ("%Y-%m-%dT%H:%M:%S+02:00", "UTC", -2),
+        ("%Y-%m-%d %H:%M", "Europe/Oslo", -1),
+        ("%Y%m%d%H", "UTC", 0),
+        ("%Y%m%d%H%M", "UTC", 0),
+        ("%d/%m/%Y %H:%M", "UTC", 0),
+        ("%d.%m.%Y %H:%M", "UTC", 0),
+        ("%m/%d/%Y %H:%M", "UTC", 0),
     ],
-)  # fmt: skip
+)
 def test_times_and_zones(tmp_path, form, zone, shift):
     record = read(tmp_path, frame(time=TIME.strftime(form)), time_zone=zone)
     np.testing.assert_array_equal(record.time, (TIME + pd.Timedelta(hours=shift)).to_numpy())
@@ -150,11 +185,15 @@ def test_buoy_files_of_columns_for_year_to_minute(tmp_path):
     ("heading", "keywords", "expected", "noted"),
     [
         # compass bearing 30: from there, running to 210 degrees; to there, 30. Heading = bearing of x (90) minus bearing
-        ("wave direction (deg)", {}, 240.0, True), ("wave from direction (deg)", {}, 240.0, False), ("wave direction, coming from (deg)", {}, 240.0, False),
-        ("wave to direction (deg)", {}, 60.0, False), ("wave direction (deg)", {"direction": "to"}, 60.0, False),
-        ("wave direction (deg)", {"direction": "from", "x_bearing": 0.0}, 150.0, False), ("wave direction (rad)", {"direction": "to"}, 60.0, False),
+        ("wave direction (deg)", {}, 240.0, True),
+        ("wave from direction (deg)", {}, 240.0, False),
+        ("wave direction, coming from (deg)", {}, 240.0, False),
+        ("wave to direction (deg)", {}, 60.0, False),
+        ("wave direction (deg)", {"direction": "to"}, 60.0, False),
+        ("wave direction (deg)", {"direction": "from", "x_bearing": 0.0}, 150.0, False),
+        ("wave direction (rad)", {"direction": "to"}, 60.0, False),
     ],
-)  # fmt: skip
+)
 def test_directions_become_headings_of_propagation(tmp_path, heading, keywords, expected, noted):
     value = np.radians(30.0) if "rad" in heading else 30.0
     record = read(tmp_path, frame(**{heading: np.full(N, value)}), sep=";", **keywords)
@@ -214,15 +253,27 @@ def test_two_columns_for_one_quantity(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("columns", "words"), [({"wind_speed": "no such"}, "no such"), ({"temperature": "Hs (m)"}, "temperature"), ({"time": "clock"}, "clock")]
+    ("columns", "words"),
+    [({"wind_speed": "no such"}, "no such"), ({"temperature": "Hs (m)"}, "temperature"), ({"time": "clock"}, "clock")],
 )
 def test_columns_that_are_not_there(tmp_path, columns, words):
     with pytest.raises(FormatError, match=words):
         read(tmp_path, frame(), columns=columns)
 
 
-@pytest.mark.parametrize("content", ["", "a,b\n1,2\n", "time,Hs\n", "time,Hs\n2020-01-01,1,2\n", "x,Hs\n2020-01-01,1\n", "time,Hs\n12.5,1\n", "time,Hs\nnever,1\n",
-                                     "time,Hs,Hs\n2020-01-01,1,2\n"])  # fmt: skip
+@pytest.mark.parametrize(
+    "content",
+    [
+        "",
+        "a,b\n1,2\n",
+        "time,Hs\n",
+        "time,Hs\n2020-01-01,1,2\n",
+        "x,Hs\n2020-01-01,1\n",
+        "time,Hs\n12.5,1\n",
+        "time,Hs\nnever,1\n",
+        "time,Hs,Hs\n2020-01-01,1,2\n",
+    ],
+)
 def test_what_is_no_record(tmp_path, content):
     with pytest.raises(FormatError):
         read(tmp_path, content)

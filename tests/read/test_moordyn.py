@@ -127,16 +127,27 @@ def test_words_for_a_fairlead(tmp_path, word):
 @pytest.mark.parametrize(
     ("text", "old", "new", "line", "words"),
     [
-        (V1, "8.0E+08", "8e8|9e8", 8, "Viscoelastic"), (V1, "8.0E+08", "table.txt", 8, "tabulated"), (V1, "2        NTypes", "3        NTypes", 5, "3 rows"),
-        (V1, "200      WtrDpth", "sea.txt  WtrDpth", 26, "bathymetry"), (V1, "1     chain", "1     wire", 21, "a line type"),
-        (V1, "100       1         2", "100       1         7", 21, "a point"), (V1, "1     Fixed", "1     Turbine2", 14, "one turbine"),
-        (V1, "3     Vessel", "3     Rod1", 16, "a body"), (V1, "3     Vessel", "3     Body4", 16, "a body"), (V1, "40.0    0    -14       0", "40.0    0    -14       5", 16, "platform's mass"),
-        (V1, "3     Vessel", "1     Vessel", 16, "every number once"), (V1, "(kg)  (m^3) (N)", "(kg)  (m^3) (kN)", 15, "newtons"), (V1, "120.5", "NaN", 8, "a number"),
-        (V1, "(-)    (m)    (kg/m)", "-    (m)    (kg/m)", 7, "units"), (V1, "NodeAnch  NodeFair", "From  To", 21, "attacha"),
-        (V2, "coupled    30", "free    30", 14, "Free bodies"), (V2, "0  0  90  0", "0  0  90  50", 14, "platform's mass"), (V2, "0  0  90", "10  0  90", 14, "one axis"),
+        (V1, "8.0E+08", "8e8|9e8", 8, "Viscoelastic"),
+        (V1, "8.0E+08", "table.txt", 8, "tabulated"),
+        (V1, "2        NTypes", "3        NTypes", 5, "3 rows"),
+        (V1, "200      WtrDpth", "sea.txt  WtrDpth", 26, "bathymetry"),
+        (V1, "1     chain", "1     wire", 21, "a line type"),
+        (V1, "100       1         2", "100       1         7", 21, "a point"),
+        (V1, "1     Fixed", "1     Turbine2", 14, "one turbine"),
+        (V1, "3     Vessel", "3     Rod1", 16, "a body"),
+        (V1, "3     Vessel", "3     Body4", 16, "a body"),
+        (V1, "40.0    0    -14       0", "40.0    0    -14       5", 16, "platform's mass"),
+        (V1, "3     Vessel", "1     Vessel", 16, "every number once"),
+        (V1, "(kg)  (m^3) (N)", "(kg)  (m^3) (kN)", 15, "newtons"),
+        (V1, "120.5", "NaN", 8, "a number"),
+        (V1, "(-)    (m)    (kg/m)", "-    (m)    (kg/m)", 7, "units"),
+        (V1, "NodeAnch  NodeFair", "From  To", 21, "attacha"),
+        (V2, "coupled    30", "free    30", 14, "Free bodies"),
+        (V2, "0  0  90  0", "0  0  90  50", 14, "platform's mass"),
+        (V2, "0  0  90", "10  0  90", 14, "one axis"),
         (V2, "0.7    MU_KA", "x    MU_KA", 28, "a number"),
     ],
-)  # fmt: skip
+)
 def test_what_is_refused_with_its_line(tmp_path, text, old, new, line, words):
     assert old in text
     with pytest.raises(FormatError) as error:
@@ -163,7 +174,11 @@ def test_depth_of_the_deck(tmp_path):
 
 @pytest.mark.parametrize("dress", ["crlf", "tabs", "latin-1"])
 def test_other_dress(tmp_path, dress):
-    text = {"crlf": V1.replace("\n", "\r\n"), "tabs": V1.replace("  ", "\t"), "latin-1": V1.replace("time step", "größe")}
+    text = {
+        "crlf": V1.replace("\n", "\r\n"),
+        "tabs": V1.replace("  ", "\t"),
+        "latin-1": V1.replace("time step", "größe"),
+    }
     path = tmp_path / "other.dat"
     path.write_bytes(text[dress].encode("latin-1"))
     equal(moordyn_mooring(read_moordyn(path)), mooring(tmp_path, V1))

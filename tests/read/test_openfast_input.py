@@ -57,9 +57,12 @@ def test_table(source):
 @pytest.mark.parametrize("change", ["crlf", "tabs", "latin-1", "upper", "blank lines"])
 def test_the_same_values_in_other_dress(tmp_path, source, change):
     text = {
-        "crlf": TEXT.replace("\n", "\r\n"), "tabs": TEXT.replace("  ", "\t"), "latin-1": TEXT.replace("a length", "eine Länge"),
-        "upper": TEXT.replace("Length", "LENGTH").replace("NRows", "nrows"), "blank lines": TEXT.replace("\n 2 ", "\n\n 2 "),
-    }[change]  # fmt: skip
+        "crlf": TEXT.replace("\n", "\r\n"),
+        "tabs": TEXT.replace("  ", "\t"),
+        "latin-1": TEXT.replace("a length", "eine Länge"),
+        "upper": TEXT.replace("Length", "LENGTH").replace("NRows", "nrows"),
+        "blank lines": TEXT.replace("\n 2 ", "\n\n 2 "),
+    }[change]
     path = tmp_path / "other.dat"
     path.write_bytes(text.encode("latin-1"))
     other = read_input(path)

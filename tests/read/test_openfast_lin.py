@@ -15,10 +15,20 @@ RNG = np.random.default_rng(7)
 STATES = [
     ("ED Platform horizontal surge translation DOF (internal DOF index = DOF_Sg), m", 0.5, False, 2),
     ("ED 1st flapwise bending-mode DOF of blade 2 (internal DOF index = DOF_BF(2,1)), m", 1.5, True, 2),
-    ("ED First time derivative of Platform horizontal surge translation DOF (internal DOF index = DOF_Sg), m/s", 0.1, False, 2),
-    ("ED First time derivative of 1st flapwise bending-mode DOF of blade 2 (internal DOF index = DOF_BF(2,1)), m/s", 0.2, True, 2),
+    (
+        "ED First time derivative of Platform horizontal surge translation DOF (internal DOF index = DOF_Sg), m/s",
+        0.1,
+        False,
+        2,
+    ),
+    (
+        "ED First time derivative of 1st flapwise bending-mode DOF of blade 2 (internal DOF index = DOF_BF(2,1)), m/s",
+        0.2,
+        True,
+        2,
+    ),
     ("HD Exctn 1, -", 0.0, False, 1),
-]  # fmt: skip
+]
 INPUTS = [
     ("IfW Extended input: horizontal wind speed (steady/uniform wind), m/s", 11.0, False),
     ("HD Morison X orientation angle, node 1, rad", (1.0, -2e-6, 3e-3), False),
@@ -29,9 +39,23 @@ OUTPUTS = [("ED PtfmSurge, (m)", 0.5, False), ("ED TwrBsMyt, (kN-m)", 34567.8, F
 
 def matrices(*more):
     x, u, y = len(STATES), len(INPUTS), len(OUTPUTS)
-    shapes = {"A": (x, x), "B": (x, u), "C": (y, x), "D": (y, u), "dUdu": (u, u), "dUdy": (u, y), "dXdx": (x, x), "dXdu": (x, u),
-              "dYdx": (y, x), "dYdu": (y, u), "StateRotation": (3, 3)}  # fmt: skip
-    return {name: RNG.normal(size=shapes[name]) * 10.0 ** RNG.integers(-9, 9, shapes[name]) for name in ("A", "B", "C", "D", *more)}
+    shapes = {
+        "A": (x, x),
+        "B": (x, u),
+        "C": (y, x),
+        "D": (y, u),
+        "dUdu": (u, u),
+        "dUdy": (u, y),
+        "dXdx": (x, x),
+        "dXdu": (x, u),
+        "dYdx": (y, x),
+        "dYdu": (y, u),
+        "StateRotation": (3, 3),
+    }
+    return {
+        name: RNG.normal(size=shapes[name]) * 10.0 ** RNG.integers(-9, 9, shapes[name])
+        for name in ("A", "B", "C", "D", *more)
+    }
 
 
 def read(tmp_path, text, name="a.lin"):
@@ -123,15 +147,24 @@ def test_every_line_cut_off_is_noticed(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("Linearized model", "Some model", "Linearized model"), ("continuous states:   5", "continuous states:   4", "matrix A"),
-        ("continuous states:   5", "continuous states:   *****", "a number"), ("continuous states:   5", "continuous states:   5.5", "whole number"),
-        ("inputs:   3", "inputs:   2", "matrix B"), ("outputs:   2", "outputs:   3", "row 3 of 3"), ("A: 5 x 5", "A: 5 x 4", "a row of A"),
-        ("A: 5 x 5", "A: 4 x 5", "matrix A"), ("B: 5 x 3", "A: 5 x 3", "matrix A"), ("dUdu: 3 x 3", "dUdu: 3 x 9", "a row of dUdu"),
-        ("Azimuth:   0.5000", "Azimuth:   NaN", "a number"), ("Order of inputs:", "Order of things:", "Order of inputs"),
-        ("          2   1.500000000E+00", "          3   1.500000000E+00", "row 2 of 5"), ("1.500000000E+00", "1.5x", "operating point"),
-        ("1.500000000E+00", "1.5, 2.5", "three of an orientation"), ("T      2     ED 1st", "T      7     ED 1st", "derivative order"),
+        ("Linearized model", "Some model", "Linearized model"),
+        ("continuous states:   5", "continuous states:   4", "matrix A"),
+        ("continuous states:   5", "continuous states:   *****", "a number"),
+        ("continuous states:   5", "continuous states:   5.5", "whole number"),
+        ("inputs:   3", "inputs:   2", "matrix B"),
+        ("outputs:   2", "outputs:   3", "row 3 of 3"),
+        ("A: 5 x 5", "A: 5 x 4", "a row of A"),
+        ("A: 5 x 5", "A: 4 x 5", "matrix A"),
+        ("B: 5 x 3", "A: 5 x 3", "matrix A"),
+        ("dUdu: 3 x 3", "dUdu: 3 x 9", "a row of dUdu"),
+        ("Azimuth:   0.5000", "Azimuth:   NaN", "a number"),
+        ("Order of inputs:", "Order of things:", "Order of inputs"),
+        ("          2   1.500000000E+00", "          3   1.500000000E+00", "row 2 of 5"),
+        ("1.500000000E+00", "1.5x", "operating point"),
+        ("1.500000000E+00", "1.5, 2.5", "three of an orientation"),
+        ("T      2     ED 1st", "T      7     ED 1st", "derivative order"),
     ],
-)  # fmt: skip
+)
 def test_what_does_not_fit_is_refused(tmp_path, old, new, words):
     assert old in SAMPLE
     with pytest.raises(FormatError) as error:

@@ -133,8 +133,8 @@ def test_real_file_of_a_box():
     assert h.hydrostatic_stiffness[3, 3] == pytest.approx(
         (7**4 / 12 + 49 * 18.5**2 - 490 * 5) * weight, rel=1e-3
     )  # mesh
-    # heading 0, the box 18.5 m up-wave: the crest is there first, and the force leads by k x. That run was in deep water,
-    # which the file's Environment (100 m) does not say
+    # heading 0, the box 18.5 m up-wave: the crest is there first, and the force leads by k x. That run was in deep
+    # water, which the file's Environment (100 m) does not say
     force = h.excitation[0, 0]
     assert np.angle(force[2]) == pytest.approx(18.5 * h.omega[0] ** 2 / h.gravity, rel=1e-2)
     assert np.angle(force[0]) - np.angle(force[2]) == pytest.approx(np.pi / 2, abs=1e-3)

@@ -3,6 +3,7 @@
 import ast
 import inspect
 import os
+import re
 import subprocess
 import sys
 from importlib import import_module
@@ -18,8 +19,8 @@ from test_rotor_table import text as rotor_text
 
 import fowtio.read
 from fowtio.errors import FormatError
-from fowtio.read import describe, read_any, recognise
-from fowtio.read.registry import _FORMATS, INTERNAL, Format
+from fowtio.read import describe, read_any, recognise, registry
+from fowtio.read.registry import INTERNAL, Format
 
 FOLDER = Path(fowtio.read.__file__).parent
 MODULES = sorted(p.stem for p in FOLDER.glob("*.py") if p.stem != "__init__")
@@ -30,19 +31,39 @@ CSV = "time,Hs (m),wind speed (m/s)\n2020-01-01 00:00,1.5,8\n2020-01-01 01:00,1.
 def make_samples(folder: Path) -> dict[str, Path]:
     """Write one file of every format of ours and return its path by the name of its constant."""
     fst = samples.copy_deck(folder / "deck")
-    text = {"FAST7_LIN": FAST7_TEXT, "MAP": MAP_TEXT, "MOORDYN": V2, "MOORDYN 1": V1, "ROTOR_TABLE": rotor_text(), "OPENFAST_OUT": OUT_TEXT, "METOCEAN": CSV}
+    text = {
+        "FAST7_LIN": FAST7_TEXT,
+        "MAP": MAP_TEXT,
+        "MOORDYN": V2,
+        "MOORDYN 1": V1,
+        "ROTOR_TABLE": rotor_text(),
+        "OPENFAST_OUT": OUT_TEXT,
+        "METOCEAN": CSV,
+    }
     out = {}
     for name, content in text.items():
         out[name] = folder / f"{name.lower().replace(' ', '_')}.dat"
         out[name].write_bytes(content.encode("latin-1"))
     wind = np.random.default_rng(1).normal(12, 1, (4, 9, 7, 3))
-    binary = {"TURBSIM": samples.bts_bytes(wind), "OPENFAST_OUT 2": samples.outb_bytes([0, 0.1], [[1.0], [2.0]], ("x",), ("m",), 2)}
+    binary = {
+        "TURBSIM": samples.bts_bytes(wind),
+        "OPENFAST_OUT 2": samples.outb_bytes([0, 0.1], [[1.0], [2.0]], ("x",), ("m",), 2),
+    }
     for name, content in binary.items():
         out[name] = folder / f"{name.lower().replace(' ', '_')}.bin"
         out[name].write_bytes(content)
-    deck = {"OPENFAST_DECK": fst, "ELASTODYN": "ElastoDyn.dat", "HYDRODYN": "HydroDyn.dat", "SEASTATE": "SeaState.dat", "INFLOWWIND": "InflowWind.dat",
-            "OPENFAST_INPUT": "ElastoDyn_Tower.dat", "WAMIT_RADIATION": "hydro/oc4.1", "WAMIT_EXCITATION": "hydro/oc4.3",
-            "WAMIT_HYDROSTATICS": "hydro/oc4.hst", "WAMIT_SET": "hydro/oc4"}  # fmt: skip
+    deck = {
+        "OPENFAST_DECK": fst,
+        "ELASTODYN": "ElastoDyn.dat",
+        "HYDRODYN": "HydroDyn.dat",
+        "SEASTATE": "SeaState.dat",
+        "INFLOWWIND": "InflowWind.dat",
+        "OPENFAST_INPUT": "ElastoDyn_Tower.dat",
+        "WAMIT_RADIATION": "hydro/oc4.1",
+        "WAMIT_EXCITATION": "hydro/oc4.3",
+        "WAMIT_HYDROSTATICS": "hydro/oc4.hst",
+        "WAMIT_SET": "hydro/oc4",
+    }
     return out | {name: fst.parent / file for name, file in deck.items()} | {"OPENFAST_LIN": samples.LIN_FILE}
 
 
@@ -52,15 +73,35 @@ def sample_files(tmp_path_factory):
 
 
 def constants() -> dict[str, Format]:
-    return {name: getattr(import_module(f"fowtio.read.{m}"), name) for m, names in _FORMATS.items() for name in names}
+    """Return every registered format by the name of its constant."""
+    out = {}
+    for module in registry.MODULES:
+        named = {
+            name: value
+            for name, value in vars(import_module(f"fowtio.read.{module}")).items()
+            if isinstance(value, Format)
+        }
+        out |= {name: value for name, value in named.items() if value in registry.formats_of(module)}
+    return out
 
 
 @pytest.mark.parametrize("module", MODULES)
 def test_every_module_is_registered_or_internal(module):
-    assert (module in _FORMATS) != (module in INTERNAL), f"put {module} into the registry or among the internal modules"
-    found = {name for name, value in vars(import_module(f"fowtio.read.{module}")).items() if isinstance(value, Format) and name.isupper()}
-    own = {name for name in found if f"\n{name} = Format(" in (FOLDER / f"{module}.py").read_text()}
-    assert own == set(_FORMATS.get(module, ()))
+    assert (module in registry.MODULES) != (module in INTERNAL), (
+        f"put {module} into the registry or among the internal modules"
+    )
+    written = set(re.findall(r"(?m)^([A-Z0-9_]+)(?:: Format)? = Format\(", (FOLDER / f"{module}.py").read_text()))
+    own = {
+        name
+        for name, value in vars(import_module(f"fowtio.read.{module}")).items()
+        if isinstance(value, Format) and value in registry.formats_of(module)
+    }
+    assert own == written
+    assert bool(own) == (module in registry.MODULES)
+
+
+def test_every_registered_module_is_there():
+    assert set(registry.MODULES) | set(INTERNAL) == set(MODULES)
 
 
 def test_formats_have_different_names():
@@ -91,7 +132,9 @@ def test_no_other_format_takes_a_sample(sample_files):
         assert taken <= {name.split()[0]}, name
 
 
-@pytest.mark.parametrize("content", [b"", b"hello\n", bytes(range(256)) * 20, b"1 2 3\n" * 100, "é".encode() * 300, b"\x01\x00" * 400])
+@pytest.mark.parametrize(
+    "content", [b"", b"hello\n", bytes(range(256)) * 20, b"1 2 3\n" * 100, "é".encode() * 300, b"\x01\x00" * 400]
+)
 def test_other_files_are_of_no_format(tmp_path, content):
     path = tmp_path / "other.xyz"
     path.write_bytes(content)
@@ -110,15 +153,10 @@ def test_missing_files_and_folders(tmp_path):
 def test_public_functions_and_classes_say_what_they_do(module):
     tree = ast.parse((FOLDER / f"{module}.py").read_text())
     assert ast.get_docstring(tree), module
-    for node in ast.walk(tree):
-        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_") and not _inside(tree, node):
-            assert ast.get_docstring(node), f"{module}.{node.name}"
-
-
-def _inside(tree, node) -> bool:
-    """Tell whether a definition is inside a function, where it needs no docstring."""
-    functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef) and n is not node]
-    return any(node in ast.walk(f) for f in functions)
+    public = [n for n in tree.body if isinstance(n, ast.FunctionDef | ast.ClassDef) and not n.name.startswith("_")]
+    methods = [m for c in public if isinstance(c, ast.ClassDef) for m in c.body if isinstance(m, ast.FunctionDef)]
+    for node in [*public, *(m for m in methods if not m.name.startswith("_"))]:
+        assert ast.get_docstring(node), f"{module}.{node.name}"
 
 
 def test_importing_the_package_is_cheap():
@@ -146,9 +184,20 @@ def test_readers_take_a_path_first():
 @pytest.mark.skipif("FOWTIO_FORMATS" not in os.environ, reason="FOWTIO_FORMATS names no folder of sample files")
 def test_real_files_find_their_formats():
     folder = Path(os.environ["FOWTIO_FORMATS"])
-    expected = {"openfast_lin/*.lin": "OPENFAST_LIN", "openfast_out/*.outb": "OPENFAST_OUT", "moordyn/*.dat": "MOORDYN", "rotor_tables/*.txt": "ROTOR_TABLE",
-                "turbsim/*.bts": "TURBSIM", "wamit/*.1": "WAMIT_RADIATION", "wamit/*.3": "WAMIT_EXCITATION", "wamit/*.out": "WAMIT_OUTPUT",
-                "aqwa/*.LIS": "AQWA_LIS", "capytaine/*.nc": "CAPYTAINE", "orcaflex/*.yml": "ORCAFLEX", "nemoh/*": "NEMOH"}  # fmt: skip
+    expected = {
+        "openfast_lin/*.lin": "OPENFAST_LIN",
+        "openfast_out/*.outb": "OPENFAST_OUT",
+        "moordyn/*.dat": "MOORDYN",
+        "rotor_tables/*.txt": "ROTOR_TABLE",
+        "turbsim/*.bts": "TURBSIM",
+        "wamit/*.1": "WAMIT_RADIATION",
+        "wamit/*.3": "WAMIT_EXCITATION",
+        "wamit/*.out": "WAMIT_OUTPUT",
+        "aqwa/*.LIS": "AQWA_LIS",
+        "capytaine/*.nc": "CAPYTAINE",
+        "orcaflex/*.yml": "ORCAFLEX",
+        "nemoh/*": "NEMOH",
+    }
     known = constants()
     for pattern, name in expected.items():
         for path in folder.glob(pattern):

@@ -25,9 +25,21 @@ def text(winds=1, entries=True):
         return "   ".join(f"{v:.4f}" for v in values)
 
     said = (f", {len(PITCH)} entries", f", {len(RATIO)} entries") if entries else ("", "")
-    out = ["# ----- a rotor made by the tests -----", "", f"# Pitch angle vector{said[0]} - x axis (matrix columns) (deg)", vector(PITCH)]
-    out += [f"# TSR vector{said[1]} - y axis (matrix rows) (-)", vector(RATIO), "# Wind speed vector - z axis (m/s)", vector(8.0 + np.arange(winds))]
-    for title, table in zip(("# Power coefficient", "#  Thrust coefficient", "# Torque coefficient"), coefficients(winds), strict=True):
+    out = [
+        "# ----- a rotor made by the tests -----",
+        "",
+        f"# Pitch angle vector{said[0]} - x axis (matrix columns) (deg)",
+        vector(PITCH),
+    ]
+    out += [
+        f"# TSR vector{said[1]} - y axis (matrix rows) (-)",
+        vector(RATIO),
+        "# Wind speed vector - z axis (m/s)",
+        vector(8.0 + np.arange(winds)),
+    ]
+    for title, table in zip(
+        ("# Power coefficient", "#  Thrust coefficient", "# Torque coefficient"), coefficients(winds), strict=True
+    ):
         out += ["", title, ""]
         for sheet in table:
             out += ["   ".join(f"{v:.6f}" for v in row) for row in sheet] + [""]
@@ -67,10 +79,14 @@ def test_every_line_cut_off_is_noticed(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("8 entries", "9 entries", "9 entries"), ("-1.0000", "-3.0000", "ascending"), ("# Power coefficient", "# Something", "names what follows"),
-        ("# Torque coefficient", "#  Thrust coefficient", "once"), ("-1.0000", "NaN", "numbers of the pitch"), ("# Pitch angle vector", "Pitch", "names what follows"),
+        ("8 entries", "9 entries", "9 entries"),
+        ("-1.0000", "-3.0000", "ascending"),
+        ("# Power coefficient", "# Something", "names what follows"),
+        ("# Torque coefficient", "#  Thrust coefficient", "once"),
+        ("-1.0000", "NaN", "numbers of the pitch"),
+        ("# Pitch angle vector", "Pitch", "names what follows"),
     ],
-)  # fmt: skip
+)
 def test_what_does_not_fit_is_refused(tmp_path, old, new, words):
     assert old in text()
     with pytest.raises(FormatError) as error:

@@ -11,7 +11,14 @@ from fowtio.read.text import number, number_rows, number_table, numbers, read_li
 
 @pytest.mark.parametrize(
     ("text", "value"),
-    [("1.5", 1.5), ("-2.5D+03", -2500.0), ("1.d-3", 1e-3), ("1.234-103", 1.234e-103), ("-.5+100", -0.5e100), ("+7", 7.0)],
+    [
+        ("1.5", 1.5),
+        ("-2.5D+03", -2500.0),
+        ("1.d-3", 1e-3),
+        ("1.234-103", 1.234e-103),
+        ("-.5+100", -0.5e100),
+        ("+7", 7.0),
+    ],
 )
 def test_number_reads_fortran_forms(text, value):
     assert number(text) == value
@@ -40,7 +47,9 @@ def test_number_table_agrees_with_the_slow_way(tmp_path):
     assert number_table(tmp_path, ["", " "], 1, 3, "row").shape == (0, 3)
 
 
-@pytest.mark.parametrize(("bad", "line"), [("1 2", 12), ("1 2 3 4", 12), ("1 x 3", 12), ("1 NaN 3", 12), ("1 ***** 3", 12)])
+@pytest.mark.parametrize(
+    ("bad", "line"), [("1 2", 12), ("1 2 3 4", 12), ("1 x 3", 12), ("1 NaN 3", 12), ("1 ***** 3", 12)]
+)
 def test_number_table_names_the_bad_line(tmp_path, bad, line):
     with pytest.raises(FormatError) as error:
         number_table(tmp_path / "a.txt", ["1 2 3", "4 5 6", bad, "7 8 9"], 10, 3, "a row of three")

@@ -48,7 +48,7 @@ def test_any_member_names_the_set(stem, suffix):
 
 
 def test_length_density_gravity_scale_as_the_manual_says(tmp_path):
-    """A file of ones: A = rho L^k with k = 3, 4, 5; B = rho L^k omega; X = rho g L^2 or L^3; C = rho g L^2, L^3, L^4."""
+    """A file of ones: A = rho L^k, k = 3, 4, 5; B = rho L^k omega; X = rho g L^2 or L^3; C = rho g L^(k - 1)."""
     pairs = [(i, j) for i in range(1, 7) for j in range(1, 7)]
     put(tmp_path / "one.1", "".join(f"{t} {i} {j} 1.0 1.0\n" for t in (4.0, 8.0) for i, j in pairs))
     put(tmp_path / "one.3", "".join(f"{t} 0.0 {i} 1.0 90.0 0.0 1.0\n" for t in (4.0, 8.0) for i in range(1, 7)))
