@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ from fowtio.read.openfast_input import InputFile, read_input
 from fowtio.read.text import number
 from model.conventions import PLATFORM_DOFS
 from model.environment.sea import SeaState
+from model.response.sections import ExtraOutputs
 from model.response.solve import DRAG_MODELS
 from model.system.hydro import LOW_FREQUENCY
 from model.system.tower import TOWER_MODES
@@ -42,14 +43,20 @@ class LinearisationEntry:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StateEntry:
     """One sea and wind: name, wind_speed at hub height [m/s] (0: calm, the turbine parked), turbulence (a class, an intensity
-    as a fraction, or None for a steady wind), the sea.
+    as a fraction, or None for a steady wind), the sea, and further seas at the same time (swell).
     """
 
     name: str
     wind_speed: float
     turbulence: str | float | None
     sea: SeaState
+    more_seas: tuple[SeaState, ...] = ()
     line: int = 0
+
+    @property
+    def seas(self) -> tuple[SeaState, ...]:
+        """All seas of the state."""
+        return (self.sea, *self.more_seas)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +71,7 @@ class Options:
     wind_spectrum: str = "kaimal"
     wind_averaging: str = "rotor"
     duration: float = 3600.0
+    extras: ExtraOutputs = field(default_factory=ExtraOutputs)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +100,7 @@ class Case:
     states: tuple[StateEntry, ...] = ()
     options: Options = field(default_factory=Options)
     references: tuple[Reference, ...] = ()
+    direct: tuple[Path, ...] = ()
 
 
 ALL_DOFS = ("all",)
@@ -105,7 +114,8 @@ _OPTIONS = {
     "WindSpectrum": ("wind_spectrum", WIND_SPECTRA), "WindAveraging": ("wind_averaging", ("rotor", "point")),
     "Duration": ("duration", float),
 }  # fmt: skip
-_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "NRef", *_OPTIONS)
+_EXTRAS = ("TowerSections", "ModalTowerLoads", "AnchorTensions", "AirGapPoints", "DirectLin")
+_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "NRef", *_EXTRAS, *_OPTIONS)
 _COLUMNS = ("WindSpeed", "LinFiles", "LinDeck", "MassMatrix", "Name", "Turbulence", "Spectrum", "State", "RefFiles", "(m/s)", "(-)")
 
 
@@ -134,6 +144,7 @@ def load(path: str | Path) -> Case:
         states=problems.get(lambda: _states(source, problems), ()),
         options=_options(source, problems),
         references=problems.get(lambda: _references(source, problems), ()),
+        direct=problems.get(lambda: _direct(source, problems), ()),
     )  # fmt: skip
     _check_consistency(case, problems)
     problems.raise_all()
@@ -169,7 +180,7 @@ def _check_names(source: InputFile, problems: _Problems) -> None:
     known = {n.lower(): n for n in _NAMES}
     tables = _table_lines(source)
     for key, (line, _, written) in source.entries.items():
-        if key in known or line in tables:
+        if key in known or line in tables or source.lines[line - 1].upper().startswith("END"):
             continue
         near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
         hint = f"; did you mean {known[near[0]]}?" if near else f"; known names are {', '.join(_NAMES)}"
@@ -244,12 +255,44 @@ def _options(source: InputFile, problems: _Problems) -> Options:
                 problems.add(f"{name} is {value:g}, expected a number above zero", source.line(name))
                 continue
         values[attribute] = value
+    values["extras"] = problems.get(lambda: _extras(source), ExtraOutputs())
     out = Options(**values)
     if out.frequency_low >= out.frequency_high:
         problems.add(f"FreqMin {out.frequency_low:g} is not below FreqMax {out.frequency_high:g}", source.line("FreqMin") if source.has("FreqMin") else None)
     if out.frequency_count < 50:
         problems.add(f"NFreq is {out.frequency_count}, expected 50 or more", source.line("NFreq"))
     return out
+
+
+def _extras(source: InputFile) -> ExtraOutputs:
+    """Return the further outputs that the study asks for."""
+
+    def listed(name):
+        text = source.text(name, "")
+        try:
+            return [] if _blank(text) or text.lower() == "none" else [[number(t) for t in part.replace(",", " ").split()] for part in text.split(";")]
+        except ValueError as error:
+            raise FormatError(source.path, source.line(name), expected=f"numbers for {name}", found=text, hint=str(error)) from None
+
+    points = listed("AirGapPoints")
+    if any(len(p) != 3 for p in points):
+        raise FormatError(source.path, source.line("AirGapPoints"), expected='points "x y z; x y z" [m]', found=source.text("AirGapPoints"))
+    return ExtraOutputs(
+        tower_sections=tuple(h for row in listed("TowerSections") for h in row),
+        modal_tower_loads=source.flag("ModalTowerLoads", False), anchor_tensions=source.flag("AnchorTensions", False),
+        air_gap_points=tuple(tuple(p) for p in points),
+    )  # fmt: skip
+
+
+def _direct(source: InputFile, problems: _Problems) -> tuple[Path, ...]:
+    """Return the full-system linearisations of the direct route."""
+    text = source.text("DirectLin", "")
+    if _blank(text) or text.lower() == "none":
+        return ()
+    files = _glob(source, text)
+    if not files:
+        problems.add(f"no file matches {text!r} (DirectLin, looked in {source.path.parent})", source.line("DirectLin"))
+    return files
 
 
 def _linearisations(source: InputFile, problems: _Problems) -> tuple[LinearisationEntry, ...]:
@@ -294,10 +337,18 @@ def _states(source: InputFile, problems: _Problems) -> tuple[StateEntry, ...]:
             out.append(_state(row, band, line))
         except ValueError as error:
             problems.add(f"state {row['Name']!r}: {error}", line)
-    names = [s.name for s in out]
-    for name in sorted({n for n in names if names.count(n) > 1}):
-        problems.add(f"two states are named {name!r}", source.line("NStates"))
-    return tuple(out)
+    return _combined(out, problems)
+
+
+def _combined(rows: list[StateEntry], problems: _Problems) -> tuple[StateEntry, ...]:
+    """Return the states; rows of one name are seas at the same time (wind sea and swell) in one wind."""
+    out: dict[str, StateEntry] = {}
+    for row in rows:
+        first = out.get(row.name)
+        if first is not None and (first.wind_speed, first.turbulence) != (row.wind_speed, row.turbulence):
+            problems.add(f"two rows are named {row.name!r} but have different winds; seas of one state share its wind", row.line)
+        out[row.name] = row if first is None else replace(first, more_seas=(*first.more_seas, row.sea))
+    return tuple(out.values())
 
 
 def _state(row: dict[str, str], band: tuple[float, float], line: int) -> StateEntry:

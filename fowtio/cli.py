@@ -134,6 +134,30 @@ def validate(
 
 
 @app.command()
+def history(
+    case: CASE, out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+    state: Annotated[str | None, typer.Option(help="name of the state; by default the first", show_default=False)] = None,
+    duration: Annotated[float, typer.Option(help="s")] = 3600.0,
+    step: Annotated[float, typer.Option(help="s")] = 0.5,
+    seed: Annotated[int, typer.Option(help="of the random phases")] = 1,
+) -> None:  # fmt: skip
+    """Synthesise time histories of every channel of a state, all of the same waves and wind (CSV)."""
+    from fowtio import terminal
+    from fowtio.case import load
+    from fowtio.workflow import state_history
+    from fowtio.write.histories import write_histories
+
+    with terminal.Progress(quiet=quiet or json) as say:
+        name, series = state_history(load(case), state, duration, step, seed, progress=say)
+        file = write_histories(series, (out or Path("results") / case.stem) / f"history_{name}_seed{seed}.csv")
+    if json:
+        std = dict(zip(series.names, map(float, series.data.std(axis=0)), strict=True))
+        _print_json({"file": str(file), "state": name, "std": std, "units": {"std": dict(zip(series.names, series.units, strict=True))}})
+    elif not quiet:
+        print(f"{file}: {len(series.names)} channels, {len(series.time)} samples of {step:g} s")
+
+
+@app.command()
 def bench(case: CASE, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False) -> None:
     """Time the model on this machine: reading, one evaluation, loads."""
     from fowtio import terminal

@@ -18,7 +18,9 @@ from model.environment.rotor_wind import RotorSensitivity, rotor_sensitivity
 from model.environment.sea import SeaState
 from model.environment.wind import WindState
 from model.response.assemble import Equilibrium, Modes, System, assemble, equilibrium, natural_modes
+from model.response.histories import Histories, synthesise
 from model.response.loads import ChannelResponse, LinearOutputs, channel_response, linear_outputs, response_spectra
+from model.response.sections import ExtraOutputs, with_extras
 from model.response.solve import Excitation, Grid, Response, excitation, frequency_grid, prepare, solve
 from model.response.statistics import Statistics, statistics
 from model.system.contributions import (
@@ -122,7 +124,7 @@ def build(case: Case, *, progress: Callable[[str], None] = lambda text: None, sp
         turbine, contained, more = _turbine(case, deck, None if dofs == ALL_DOFS else dofs, speed)
         notes += more
         kept = turbine.dofs if dofs == ALL_DOFS else dofs
-        points.append(_operating_point(speed, turbine, contained, kept, parts, hydro, drag, deck))
+        points.append(_operating_point(speed, turbine, contained, kept, parts, hydro, drag, deck, case.options.extras))
     omega = _omega(case, states, points)
     return Model(
         case=case, deck=deck, hydro=hydro, states=tuple(states), points=tuple(points), omega=omega, notes=tuple(dict.fromkeys(notes))
@@ -164,10 +166,25 @@ def loads(responses: Sequence[StateResponse], duration: float = 3600.0) -> tuple
     return tuple(out)
 
 
+def state_history(
+    case: Case, name: str | None, duration: float, step: float, seed: int, *, progress: Callable[[str], None] = lambda text: None
+) -> tuple[str, Histories]:
+    """Return the name of a state (None: the first) and one realisation of all its channels; raise ModelError."""
+    model = build(case, progress=progress)
+    chosen = next((s for s in model.states if name in (None, s.name)), None)
+    if chosen is None:
+        raise ModelError(f"no state {name!r}; there are {', '.join(s.name for s in model.states)}")
+    item = loads(solve_states(model, [chosen], progress=progress))[0]
+    try:
+        return chosen.name, synthesise(item.channels, item.response, duration, step, seed)
+    except ValueError as error:
+        raise ModelError(str(error)) from None
+
+
 def state_excitation(model: Model, state: StateEntry, omega=None) -> Excitation:
     """Return the spectra of a state on the model's frequencies, or on others (n) [rad/s]."""
     wind, rotor = state_wind(model, state), model.at(state.wind_speed).rotor
-    return excitation(model.omega if omega is None else omega, state.sea, wind, rotor=rotor)
+    return excitation(model.omega if omega is None else omega, state.seas, wind, rotor=rotor)
 
 
 def state_wind(model: Model, state: StateEntry) -> WindState | None:
@@ -198,11 +215,11 @@ def _check_headings(hydro: HydroCoefficients, states: Sequence[StateEntry], path
     if hydro.heading is None:
         raise CaseError([Problem("the hydrodynamic coefficients hold no excitation (is the .3 file missing?)", path)])
     low, high = np.degrees(hydro.heading[[0, -1]])
-    bad = [s for s in states if s.sea.kind != "still" and not headings_cover(hydro, s.sea.heading)]
+    bad = [(s, sea) for s in states for sea in s.seas if sea.kind != "still" and not headings_cover(hydro, sea.heading)]
     if bad:
         raise CaseError([
-            Problem(f"state {s.name!r}: wave heading {np.degrees(s.sea.heading):g} deg lies outside the excitation data ({low:g} to {high:g} deg)",
-                    path, s.line or None) for s in bad
+            Problem(f"state {s.name!r}: wave heading {np.degrees(sea.heading):g} deg lies outside the excitation data ({low:g} to {high:g} deg)",
+                    path, s.line or None) for s, sea in bad
         ])  # fmt: skip
 
 
@@ -364,7 +381,9 @@ def _between(a: TurbineMatrices, b: TurbineMatrices, share: float, speed: float)
     return replace(a, **values, wind_speed=speed, source=f"{a.source} and {b.source}, interpolated")
 
 
-def _operating_point(speed, turbine, contained, dofs, parts, hydro, drag, deck: Deck) -> OperatingPoint:
+def _operating_point(
+    speed, turbine, contained, dofs, parts, hydro, drag, deck: Deck, extras: ExtraOutputs
+) -> OperatingPoint:
     structure, rotor = deck.elastodyn.structure, None
     if speed > 0:
         rotor = rotor_sensitivity(structure.rotor.diameter, structure.rotor.blades, turbine.rotor_speed, speed)
@@ -375,9 +394,12 @@ def _operating_point(speed, turbine, contained, dofs, parts, hydro, drag, deck: 
         modes = natural_modes(system, mean)
     except ValueError as error:
         raise ModelError(f"{deck.mooring_path or deck.path}: {error}") from None
+    try:
+        outputs = with_extras(linear_outputs(system, mean, structure), system, mean, structure, extras)
+    except ValueError as error:
+        raise ModelError(str(error)) from None
     return OperatingPoint(
-        wind_speed=speed, turbine=turbine, rotor=rotor, system=system, mean=mean, modes=modes,
-        outputs=linear_outputs(system, mean, structure), contained=contained,
+        wind_speed=speed, turbine=turbine, rotor=rotor, system=system, mean=mean, modes=modes, outputs=outputs, contained=contained,
     )  # fmt: skip
 
 

@@ -42,7 +42,7 @@ def oc4_loads(oc4):
 @pytest.fixture(scope="session")
 def oc4_validation(oc4):
     """The embedded study beside its reference time series."""
-    return fowtio.validate(oc4, oc4.case.references[0])
+    return fowtio.validate(oc4, oc4.case.references[0], nonlinear=False)
 
 
 def _flat_hydro(added_mass, excitation, depth) -> HydroCoefficients:

@@ -312,6 +312,7 @@ def _maybe(text: str) -> list[float] | None:
 
 
 def numbers_of(path, k: int, text: str) -> list[float]:
+    """Return the numbers of a piece of line k (from 0); raise FormatError."""
     try:
         return numbers(text)
     except ValueError as error:

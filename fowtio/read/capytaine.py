@@ -8,15 +8,18 @@ DoF; the excitation is Froude-Krylov plus diffraction. The crest is at the origi
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from fowtio.errors import FormatError
 from fowtio.read.hydro_common import check_damping, choose_body, coefficients, describe_hydro, without_weight
 from fowtio.read.registry import Format
 from model.conventions import PLATFORM_DOFS
 from model.system.hydro import HydroCoefficients
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _FREQUENCY_DIMS = ("omega", "period", "freq", "wavenumber", "wavelength")
 _EXTRA_DIMS = ("water_depth", "rho", "g", "body_name", "forward_speed")
@@ -72,6 +75,8 @@ def read_capytaine(
 
 
 def _open(path: Path) -> xr.Dataset:
+    import xarray as xr  # here, because it takes long and most files are not of this format
+
     if not path.is_file():
         raise FormatError(path, hint="The file does not exist; check its name and folder")
     try:
@@ -214,6 +219,8 @@ def _recognises(path, head: bytes) -> bool:
         return False
     if b"radiating_dof" in head:
         return True
+    import xarray as xr
+
     try:
         with xr.open_dataset(path) as data:
             return "radiating_dof" in data.dims

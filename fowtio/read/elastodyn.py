@@ -19,8 +19,8 @@ _TOWER_FLAGS = ("TwFADOF1", "TwFADOF2", "TwSSDOF1", "TwSSDOF2")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ElastoDyn:
-    """What an ElastoDyn deck says: the structure, the degrees of freedom it switches on (our names), rotor speed [rad/s],
-    blade pitch [rad], the files it is made of.
+    """What an ElastoDyn deck says: the structure, the degrees of freedom it switches on (our names), rotor speed
+    [rad/s], blade pitch [rad], the files it is made of.
     """
 
     path: Path
@@ -32,10 +32,10 @@ class ElastoDyn:
 
 
 def read_elastodyn(path: str | Path, gravity: float) -> ElastoDyn:
-    """Return an ElastoDyn deck with its tower and blade files; gravity [m/s2] from the primary file; raise FormatError."""
+    """Return an ElastoDyn deck with its tower and blade files; gravity [m/s2] is given; raise FormatError."""
     deck = read_input(path)
     for name in ("PtfmRefxt", "PtfmRefyt", "PtfmRefzt"):
-        if deck.number(name, 0.0) != 0.0:
+        if deck.has(name) and deck.number(name) != 0.0:
             hint = "fowtio keeps the platform reference point at the tower axis and still water"
             raise FormatError(deck.path, deck.line(name), expected=f"{name} = 0", found=deck.text(name), hint=hint)
     blades = deck.integer("NumBl")
@@ -54,7 +54,7 @@ def read_elastodyn(path: str | Path, gravity: float) -> ElastoDyn:
         nacelle=_nacelle(deck),
         rotor=_rotor(deck, read_input(blade_paths[0])),
         platform=_platform(deck),
-        accelerometer=[deck.number(n, 0.0) for n in ("NcIMUxn", "NcIMUyn", "NcIMUzn")],
+        accelerometer=[deck.number(n) for n in ("NcIMUxn", "NcIMUyn", "NcIMUzn")],
         gravity=gravity,
     )
     on = [name for name, flag in zip(PLATFORM_DOFS, _PLATFORM_FLAGS, strict=True) if deck.flag(flag)]
@@ -91,12 +91,12 @@ def _tower(deck: InputFile, tower: InputFile) -> Tower:
                 found=f"{row.sum():g}",
             )
     damping = [tower.number(f"Twr{d}Dmp({k})") / 100 for d in ("FA", "SS") for k in (1, 2)]
-    tuner = [tower.number(f"{d}StTunr({k})", 1.0) for d in ("FA", "SS") for k in (1, 2)]
+    tuner = [tower.number(f"{d}StTunr({k})") for d in ("FA", "SS") for k in (1, 2)]
     return Tower(
         base_height=deck.number("TowerBsHt"), top_height=deck.number("TowerHt"), station=table.numbers("HtFract"),
-        mass_density=_positive(table, "TMassDen") * tower.number("AdjTwMa", 1.0),
-        stiffness_fa=_positive(table, "TwFAStif") * tower.number("AdjFASt", 1.0),
-        stiffness_ss=_positive(table, "TwSSStif") * tower.number("AdjSSSt", 1.0),
+        mass_density=_positive(table, "TMassDen") * tower.number("AdjTwMa"),
+        stiffness_fa=_positive(table, "TwFAStif") * tower.number("AdjFASt"),
+        stiffness_ss=_positive(table, "TwSSStif") * tower.number("AdjSSSt"),
         modes=modes, damping_ratio=damping, stiffness_tuner=tuner, nodes=deck.integer("TwrNodes"),
     )  # fmt: skip
 
@@ -129,8 +129,8 @@ def _positive(table: Table, name: str) -> np.ndarray:
 
 
 def _nacelle(deck: InputFile) -> RigidBody:
-    """The nacelle's mass and its yaw inertia, which the file gives about the yaw axis; the yaw bearing sits on the tower top."""
-    mass, bearing = deck.number("NacMass"), deck.number("YawBrMass", 0.0)
+    """Return nacelle and yaw bearing, on the tower top, as one body; the file's yaw inertia is about the yaw axis."""
+    mass, bearing = deck.number("NacMass"), deck.number("YawBrMass")
     centre = np.array([deck.number(n) for n in ("NacCMxn", "NacCMyn", "NacCMzn")])
     yaw = deck.number("NacYIner") - mass * (centre[0] ** 2 + centre[1] ** 2)
     if yaw < 0:
@@ -158,14 +158,14 @@ def _rotor(deck: InputFile, blade: InputFile) -> Rotor:
         )
     for k in range(2, deck.integer("NumBl") + 1):
         for name in ("PreCone", "TipMass"):
-            if deck.number(f"{name}({k})", 0.0) != deck.number(f"{name}(1)", 0.0):
+            if deck.number(f"{name}({k})") != deck.number(f"{name}(1)"):
                 line = deck.line(f"{name}({k})")
                 raise FormatError(
                     deck.path, line, expected=f"equal {name} of all blades", found=deck.text(f"{name}({k})")
                 )
     table = blade.table(header="BlFract", rows=blade.integer("NBlInpSt"))
     _ascending(table, "BlFract")
-    density = table.numbers("BMassDen") * blade.number("AdjBlMs", 1.0)
+    density = table.numbers("BMassDen") * blade.number("AdjBlMs")
     x = (np.arange(nodes) + 0.5) / nodes
     step = (tip_radius - hub_radius) / nodes
     tilt = np.radians(deck.number("ShftTilt"))
@@ -175,7 +175,7 @@ def _rotor(deck: InputFile, blade: InputFile) -> Rotor:
         apex=[overhang * np.cos(tilt), 0.0, deck.number("Twr2Shft") + overhang * np.sin(tilt)],
         hub_mass=deck.number("HubMass"), hub_inertia=deck.number("HubIner"), hub_offset=deck.number("HubCM"),
         node_radius=np.append(hub_radius + x * (tip_radius - hub_radius), tip_radius),
-        node_mass=np.append(np.interp(x, table.numbers("BlFract"), density) * step, deck.number("TipMass(1)", 0.0)),
+        node_mass=np.append(np.interp(x, table.numbers("BlFract"), density) * step, deck.number("TipMass(1)")),
         diameter=2 * tip_radius * np.cos(np.radians(deck.number("PreCone(1)"))),
     )  # fmt: skip
 

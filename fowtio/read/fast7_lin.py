@@ -1,7 +1,7 @@
-"""FAST v7 linearisation files (.lin): one file with all azimuths, first order (A, B, C, D) or second order (M, C, K, F).
+"""FAST v7 linearisation files (.lin): all azimuths in one, of first order (A, B, C, D) or of second (M, C, K, F).
 
-Each block has one line a row, its groups of columns separated by bars: operating points, then matrices. Wind disturbances
-come after the control inputs. Source of the layout: J. M. Jonkman and M. L. Buhl, FAST User's Guide,
+Each block has one line a row, its groups of columns separated by bars: operating points, then matrices. Wind
+disturbances come after the control inputs. Source of the layout: J. M. Jonkman and M. L. Buhl, FAST User's Guide,
 NREL/EL-500-38230, 2005, chapter on linearisation, and what FAST v7 writes.
 """
 
@@ -127,7 +127,7 @@ def _record(path, lines, start, counts, names, speed) -> Linearisation:
         if y
         else [np.zeros((0, out_widths[k])) for k in keep]
     )
-    full, full_out = ({k: v for k, v in zip(keep, block, strict=True)} for block in (state, output))
+    full, full_out = (dict(zip(keep, block, strict=True)) for block in (state, output))
     for k in range(len(widths)):
         full.setdefault(k, np.zeros((rows, 0)))
         full_out.setdefault(k, np.zeros((y, 0)))

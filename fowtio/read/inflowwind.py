@@ -16,8 +16,8 @@ _KINDS = {
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class InflowWind:
-    """What an InflowWind file says: kind of wind in words, speed [m/s] of a steady wind (None of others), the TurbSim file
-    (None of others; not looked for), the wind's direction of propagation [deg] from +x.
+    """What an InflowWind file says: kind of wind in words, speed [m/s] of a steady wind (None of others), the TurbSim
+    file (None of others; not looked for), the wind's direction of propagation [deg] from +x.
     """
 
     path: Path

@@ -77,8 +77,9 @@ def _title(text: str) -> str:
 def map_mooring(file: MapFile, *, depth: float, gravity: float, density: float) -> MooringSystem:
     """Return the mooring system of a MAP++ file; depth [m], gravity [m/s2] and water density [kg/m3] from the deck.
 
-    Lines are named 1, 2, ... in the order of MAP++'s tensions T[1], T[2], ...; raise FormatError, also for what fowtio does
-    not model (line flags LINEAR_SPRING, OMIT_CONTACT and DAMAGE_TIME, lengths or masses to be found by iteration).
+    Lines are named 1, 2, ... in the order of MAP++'s tensions T[1], T[2], ...; raise FormatError, also for what
+    fowtio does not model (line flags LINEAR_SPRING, OMIT_CONTACT and DAMAGE_TIME, lengths or masses to be found by
+    iteration).
     """
     path = file.path
     _once(path, file.rows["dictionary"], "line type")

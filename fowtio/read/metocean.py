@@ -1,11 +1,10 @@
-"""Metocean records (wind speed, wave height, periods, directions over time) from CSV, TSV, blank-separated text, xlsx, netCDF.
+"""Metocean records, wind and waves over time, from CSV, TSV, blank-separated text, xlsx and netCDF.
 
 Whatever is wrong with a record is counted in a report, and a doubtful value becomes NaN: it is never used silently.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,9 +13,9 @@ import numpy as np
 
 from fowtio.errors import FormatError
 from fowtio.read.metocean_columns import HEADINGS, QUANTITIES, direction_sense, quantities_of, split_heading
+from fowtio.read.metocean_table import is_heading, read_table, split_line
 from fowtio.read.metocean_time import TIME_PARTS, is_time, time_parts, times
 from fowtio.read.registry import Format, head_lines, span
-from fowtio.read.text import read_bytes, read_lines
 
 _MISSING_TEXT = {"", "nan", "na", "n/a", "null", "none", "-", "--", "mm", "nat"}
 SENTINELS = (
@@ -40,11 +39,12 @@ SENTINELS = (
 
 @dataclass(frozen=True, kw_only=True)
 class MetoceanReport:
-    """What was found in a record and what was done: rows read; columns as (quantity, heading, unit, factor to SI); counts by
-    quantity of values missing, sentinel (such as -999), out_of_range and unreadable, all NaN now; bad_times, rows dropped
-    because their time cannot be read; duplicates, rows dropped because they repeat another; conflicting, rows dropped
-    because they contradict another of the same time, which is NaN now; unsorted, rows that stood before an earlier one; step
-    [s] most often found; gaps and missing_steps; notes of what was assumed.
+    """What was found in a record and what was done: rows read; columns as (quantity, heading, unit, factor to SI);
+    counts by quantity of values missing, sentinel (such as -999), out_of_range and unreadable, all NaN now;
+    bad_times, rows dropped because their time cannot be read; duplicates, rows dropped because they repeat
+    another; conflicting, rows dropped because they contradict another of the same time, which is NaN now;
+    unsorted, rows that stood before an earlier one; step [s] most often found; gaps and missing_steps; notes of
+    what was assumed.
     """
 
     rows: int
@@ -131,7 +131,7 @@ def read_metocean(
     FormatError : no column of time or of any quantity, two columns for one quantity, an unknown unit, unreadable times.
     """
     path = Path(path)
-    table, attributes = _table(path)
+    table, attributes = read_table(path)
     given = dict(columns or {})
     clock = set() if "time" in given else set(time_parts(table).values())
     names = _chosen(path, [h for h in table if h not in clock], given)
@@ -155,101 +155,7 @@ def read_metocean(
     return _ordered(path, time, values, tuple(used), count, len(table))
 
 
-# --- reading ------------------------------------------------------------------------------------------------------------
-
-
-def _table(path: Path) -> tuple:
-    """Return a pandas table of text or numbers by heading, and the units that headings have as attributes."""
-    head = read_bytes(path)[:8]
-    if head[:4] == b"PK\x03\x04":
-        return _spreadsheet(path), {}
-    if head[:3] == b"CDF" or head[:4] == b"\x89HDF":
-        return _netcdf(path)
-    return _text(path), {}
-
-
-def _text(path: Path):
-    """Return the table of a text file: separator, heading and line of units are found by looking."""
-    import pandas as pd
-
-    lines = read_lines(path)
-    start = next((i for i, line in enumerate(lines) if _is_heading(line)), None)
-    if start is None or start + 1 >= len(lines):
-        raise FormatError(path, 1, expected="a line of headings and rows below it", found=lines[0])
-    separator = next((s for s in ("\t", ";", ",") if s in lines[start]), None)
-    headings = _split(lines[start].lstrip("# "), separator)
-    body = start + 1
-    while (
-        body < len(lines) and (lines[body].startswith("#") or not re.search(r"\d", lines[body])) and lines[body].strip()
-    ):
-        body += 1
-    rows = []
-    for i, line in enumerate(lines[body:], start=body + 1):
-        if not line.strip() or line.startswith("#"):
-            continue
-        row = _split(line, separator)
-        if len(row) != len(headings):
-            raise FormatError(path, i, expected=f"{len(headings)} columns", found=line)
-        rows.append(row)
-    if not rows:
-        raise FormatError(path, start + 1, expected="rows below the headings", found="none")
-    if len(set(headings)) < len(headings):
-        raise FormatError(path, start + 1, expected="different headings", found=lines[start])
-    table = pd.DataFrame(rows, columns=headings, dtype=object)
-    if separator == ";":
-        table = table.map(lambda t: t.replace(",", ".") if re.fullmatch(r"[-+]?\d+,\d+", t) else t)
-    return table
-
-
-def _is_heading(line: str) -> bool:
-    """Tell whether a line has two words or more that are no numbers and mean a time or a quantity."""
-    separator = next((s for s in ("\t", ";", ",") if s in line), None)
-    parts = _split(line.lstrip("# "), separator)
-    known = [p for p in parts if quantities_of(p) or is_time(p) or split_heading(p)[0] in TIME_PARTS["year"]]
-    return len(parts) > 1 and bool(known) and not re.match(r"\s*[-+]?\d", line.lstrip("#"))
-
-
-def _split(line: str, separator: str | None) -> list[str]:
-    parts = line.split(separator) if separator else line.split()
-    return [p.strip().strip('"').strip() for p in parts]
-
-
-def _spreadsheet(path: Path):
-    import pandas as pd
-
-    try:
-        table = pd.read_excel(path, dtype=object)
-    except Exception as error:  # openpyxl has no common class of errors for damaged files
-        raise FormatError(path, expected="a readable spreadsheet", found=str(error)) from None
-    if table.empty:
-        raise FormatError(path, expected="rows in the first sheet", found="none")
-    return table.rename(columns=str)
-
-
-def _netcdf(path: Path) -> tuple:
-    import xarray as xr
-
-    try:
-        with xr.open_dataset(path) as source:
-            data = source.load().squeeze(drop=True)
-    except Exception as error:  # the back ends raise errors of many kinds for damaged files
-        raise FormatError(path, expected="a readable netCDF file", found=str(error)) from None
-    time = next((n for n in data.variables if is_time(n) or data[n].dtype.kind == "M"), None)
-    if time is None:
-        raise FormatError(path, expected="a variable of time", found=", ".join(map(str, data.variables)))
-    wide = [str(n) for n in data.data_vars if data[n].ndim > 1 and quantities_of(str(n))]
-    if wide:
-        dims = ", ".join(f"{d} ({s})" for d, s in data.sizes.items())
-        raise FormatError(
-            path, expected="one place", found=f"{', '.join(wide)} over {dims}", hint="Select one point first"
-        )
-    keep = [n for n in data.data_vars if data[n].dims == data[time].dims and n != time]
-    units = {str(n): str(data[n].attrs.get("units", "")).lower() for n in keep}
-    table = data[[*keep]].to_dataframe().reset_index().rename(columns=str)
-    return table, units
-
-
-# --- columns ------------------------------------------------------------------------------------------------------------
+# --- columns ----------------------------------------------------------------------------------------------------------
 
 
 def _chosen(path: Path, headings: list[str], given: dict[str, str]) -> dict[str, str]:
@@ -318,7 +224,7 @@ def _believable(
     return np.where(outside, np.nan, values)
 
 
-# --- order --------------------------------------------------------------------------------------------------------------
+# --- order ------------------------------------------------------------------------------------------------------------
 
 
 def _ordered(path: Path, time: np.ndarray, values: dict, used: tuple, count: _Count, rows: int) -> Metocean:
@@ -376,9 +282,9 @@ def _recognises(path, head: bytes) -> bool:
     if head.startswith(b"PK\x03\x04"):
         return Path(path).suffix.lower() in (".xlsx", ".xlsm")
     for line in head_lines(head)[:50]:
-        if _is_heading(line):
+        if is_heading(line):
             separator = next((s for s in ("\t", ";", ",") if s in line), None)
-            parts = _split(line.lstrip("# "), separator)
+            parts = split_line(line.lstrip("# "), separator)
             return any(is_time(p) or split_heading(p)[0] in TIME_PARTS["year"] for p in parts) and any(
                 quantities_of(p) for p in parts
             )

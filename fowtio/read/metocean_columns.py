@@ -11,8 +11,9 @@ _DEG = 3.141592653589793 / 180
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """A quantity of a record: headings that mean it (regular expressions, whole heading, lower case, words apart by single
-    blanks), units by lower-case name with their factor to SI, the believable range in SI, and what it is in words.
+    """A quantity of a record: headings that mean it (regular expressions, whole heading, lower case, words apart by
+    single blanks), units by lower-case name with their factor to SI, the believable range in SI, and what it is in
+    words.
     """
 
     patterns: tuple[str, ...]
@@ -175,7 +176,7 @@ _UNIT = re.compile(r"[\[(]\s*([^\[\]()]*?)\s*[\])]\s*$")
 
 
 def split_heading(heading: str) -> tuple[str, str]:
-    """Return a heading as words in lower case apart by single blanks, and the unit it ends with in brackets ("" for none)."""
+    """Return a heading as lower-case words apart by single blanks, and the unit in brackets it ends with, or ""."""
     found = _UNIT.search(heading)
     unit = found[1].strip().lower() if found else ""
     name = _UNIT.sub("", heading) if found else heading

@@ -105,8 +105,9 @@ def _stamps(path: Path, column, day_first: bool | None, notes: list[str]):
         if first.isdigit()
         else "ISO8601"
     )
-    zoned = text.str.contains(r"(?:Z|[+-]\d{2}:?\d{2})$").any()
-    return pd.to_datetime(text, format=form, errors="coerce", utc=bool(zoned))
+    zoned = text.str.contains(r"(?:Z|[+-]\d{2}:?\d{2})$")
+    stamps = pd.to_datetime(text, format=form, errors="coerce", utc=True)
+    return stamps.where(zoned) if zoned.any() else stamps.dt.tz_localize(None)
 
 
 def _day_and_month(path: Path, text, day_first: bool | None):

@@ -1,7 +1,8 @@
 """MoorDyn input files, versions 1 and 2, as a static mooring system.
 
-Of a dynamic mooring model the static part is kept: weight, buoyancy, axial stiffness, seabed friction (MU_KA), point masses,
-volumes and constant forces. Source of the format: MoorDyn's documentation, Hall et al., input files v1 and v2.
+Of a dynamic mooring model the static part is kept: weight, buoyancy, axial stiffness, seabed friction (MU_KA), point
+masses, volumes and constant forces. Source of the format: MoorDyn's documentation, Hall et al., input files v1 and
+v2.
 """
 
 from __future__ import annotations
@@ -116,9 +117,10 @@ def moordyn_mooring(
 ) -> MooringSystem:
     """Return the mooring system of a MoorDyn file.
 
-    depth [m], gravity [m/s2] and density [kg/m3] hold where the file has no option WtrDpth, g or rhoW. Coupled and vessel
-    points, and points on coupled bodies, are fairleads; points on fixed bodies are anchors. Raises FormatError, also for what
-    fowtio does not model (rods, free bodies, several turbines, viscoelastic or tabulated stiffness, a bathymetry file).
+    depth [m], gravity [m/s2] and density [kg/m3] hold where the file has no option WtrDpth, g or rhoW. Coupled and
+    vessel points, and points on coupled bodies, are fairleads; points on fixed bodies are anchors. Raises
+    FormatError, also for what fowtio does not model (rods, free bodies, several turbines, viscoelastic or tabulated
+    stiffness, a bathymetry file).
     """
     _refuse(file)
     depth = _depth(file, depth)

@@ -38,8 +38,8 @@ class Deck:
     """What an OpenFAST deck says: the environment, the turbine (ElastoDyn), the water (None on land), the moorings.
 
     gravity [m/s2], air_density and density [kg/m3], depth [m]; wind_speed [m/s] of a steady InflowWind, else None;
-    inflow is all that InflowWind says (None without it). The platform of elastodyn.structure holds the ballast of filled
-    members. notes say what of the deck is simplified.
+    inflow is all that InflowWind says (None without it). The platform of elastodyn.structure holds the ballast of
+    filled members. notes say what of the deck is simplified.
     """
 
     path: Path
@@ -228,7 +228,7 @@ def _refuse(primary: InputFile, name: str, known: dict, allow: set) -> None:
         )
 
 
-# --- formats ------------------------------------------------------------------------------------------------------------
+# --- formats ----------------------------------------------------------------------------------------------------------
 
 
 def _with(*names: str):

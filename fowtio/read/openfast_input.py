@@ -94,7 +94,7 @@ class InputFile:
         return unquote(values[0])
 
     def file(self, name: str) -> Path:
-        """Return the path of the file that a name gives, relative to this file; raise FormatError when it is not there."""
+        """Return the path of the file a name gives, relative to this one; raise FormatError when it is not there."""
         text = self.text(name)
         path = self.path.parent / text
         if not path.is_file():
@@ -163,7 +163,7 @@ class InputFile:
         return np.array(out)
 
     def table(self, count: str = "", header: str = "", rows: int | None = None) -> Table:
-        """Return the table below the line of `count` (its value is the number of rows) or whose first column is `header`."""
+        """Return the table below the line of `count`, which gives its rows, or with `header` as its first column."""
         if count:
             rows = self.integer(count)
             start = self.line(count)

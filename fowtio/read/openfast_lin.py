@@ -48,9 +48,10 @@ _ABBREVIATION = re.compile(r"^[A-Z][A-Za-z]{1,5}(_\d+)? (?=[A-Z0-9])")
 def read_openfast_lin(path: str | Path) -> Linearisation:
     """Return one OpenFAST linearisation record, of the whole system or of one module; raise FormatError.
 
-    A file that is cut short, or whose counts, lists and matrices do not agree, is an error. Matrices besides A, B, C and
-    D (LinOutJac: dUdu, dUdy, dXdx, ...; StateRotation) are in `jacobians` by name. An orientation's operating point is
-    three numbers. Without inputs (LinInputs 0) or outputs (LinOutputs 0) the matrices have no columns or rows.
+    A file that is cut short, or whose counts, lists and matrices do not agree, is an error. Matrices besides A, B, C
+    and D (LinOutJac: dUdu, dUdy, dXdx, ...; StateRotation) are in `jacobians` by name. An orientation's operating
+    point is three numbers. Without inputs (LinInputs 0) or outputs (LinOutputs 0) the matrices have no columns or
+    rows.
     """
     path = Path(path)
     lines = read_lines(path)
@@ -178,7 +179,7 @@ def _point(path: Path, line: int, text: str) -> float | tuple[float, ...]:
 
 
 def _orders(path: Path, states: tuple) -> list[int]:
-    """Return the derivative order of each state; where the file has no such column a position with its rate has order 2."""
+    """Return the derivative order of each state; without a column of it, 2 for a position and its rate, else 1."""
     names, _, _, orders = states
     if orders and orders[0] is not None:
         if any(order not in ("0", "1", "2") for order in orders):
@@ -227,12 +228,13 @@ def _recognises(path, head: bytes) -> bool:
 
 def _describe(lin: Linearisation) -> list[tuple[str, str]]:
     first = int(np.sum(lin.state_order == 1))
+    dofs = ", ".join(dict.fromkeys(d for d in lin.state_dof if d))
     more = ", ".join(f"{name} {m.shape[0]} x {m.shape[1]}" for name, m in lin.jacobians.items())
     return [
         ("modules", ", ".join(lin.modules) or "not said"),
         (
             "states",
-            f"{len(lin.state_names)}, {first} of first order; degrees of freedom {', '.join(dict.fromkeys(d for d in lin.state_dof if d)) or 'none known'}",
+            f"{len(lin.state_names)}, {first} of first order; degrees of freedom {dofs or 'not known'}",
         ),
         ("inputs, outputs", f"{len(lin.input_names)}, {len(lin.output_names)}"),
         (

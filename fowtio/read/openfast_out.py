@@ -1,4 +1,4 @@
-"""Time series that OpenFAST and its modules write: binary .outb (FileFmtID 1 to 4) and text .out (HydroDyn, MoorDyn, MAP).
+"""Time series of OpenFAST and its modules: binary .outb (FileFmtID 1 to 4), text .out (HydroDyn, MoorDyn, MAP).
 
 Source of the binary layout: WrBinFAST in the NWTC Library's documentation (little-endian; packed 16-bit integers with
 a slope and an offset per channel, or plain doubles).
@@ -42,7 +42,7 @@ class TimeSeries:
         return self.data[:, lower.index(name.lower())]
 
     def unit(self, name: str) -> str:
-        """Return the unit of a channel as written in the file, without brackets; raise FormatError when there is none."""
+        """Return the unit of a channel as written, without brackets; raise FormatError when there is no such channel."""
         self.channel(name)
         return self.units[[n.lower() for n in self.names].index(name.lower())]
 
@@ -102,8 +102,9 @@ def _read_binary(path: Path, content: bytes) -> TimeSeries:
             path, buffer.take("<f8", 2, "first time and time step"), "first time and time step"
         )
     if form != _UNCOMPRESSED:
-        slope = buffer.take("<f4", channels, "channel slopes").astype(float)
-        offset = buffer.take("<f4", channels, "channel offsets").astype(float)
+        with np.errstate(invalid="ignore"):  # NaN is refused below
+            slope = buffer.take("<f4", channels, "channel slopes").astype(float)
+            offset = buffer.take("<f4", channels, "channel offsets").astype(float)
     description = buffer.text(int(buffer.one("<i4", "length of the description")), "description")
     names = [buffer.text(width, "channel names") for _ in range(channels + 1)]
     units = [buffer.text(width, "channel units").strip("()[]") for _ in range(channels + 1)]

@@ -55,7 +55,9 @@ INTERNAL = (
     "seastate",
     "inflowwind",
     "metocean_columns",
+    "metocean_table",
     "metocean_time",
+    "morison",
     "hydro_any",
     "hydro_common",
 )
@@ -68,7 +70,7 @@ def formats() -> tuple[Format, ...]:
 
 
 def recognise(path: str | Path) -> Format:
-    """Return the format of a file, folder or stem of a set of files, told by content; raise FormatError when it is none."""
+    """Return the format of a file, folder or stem of a set, told by content; raise FormatError when it is none."""
     path = Path(path)
     head = _head(path)
     for module in MODULES:

@@ -1,4 +1,4 @@
-"""Rotor performance tables (power, thrust and torque coefficient over blade pitch and tip speed ratio) as ROSCO writes them.
+"""Rotor performance tables of ROSCO: power, thrust and torque coefficient over blade pitch and tip speed ratio.
 
 Comment lines name what follows, so vectors and tables may stand in any order. Source of the layout: ROSCO toolbox
 (N. J. Abbas et al., Wind Energ. Sci. 7:53, 2022), rotor performance file.
@@ -33,8 +33,8 @@ _IDENTITY = (
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RotorTable:
-    """Rotor coefficients: pitch (p) [rad], tip_speed_ratio (t) [-], wind_speed (w) [m/s]; power, thrust and torque coefficient
-    (w, t, p) [-]; source names the file.
+    """Rotor coefficients: pitch (p) [rad], tip_speed_ratio (t) [-], wind_speed (w) [m/s]; power, thrust and torque
+    coefficient (w, t, p) [-]; source names the file.
     """
 
     pitch: np.ndarray
@@ -58,7 +58,7 @@ class RotorTable:
 
 
 def read_rotor_table(path: str | Path) -> RotorTable:
-    """Return a rotor performance table; raise FormatError when it is not complete or its coefficients contradict each other.
+    """Return a rotor performance table; raise FormatError when it is not complete or contradicts itself.
 
     The power coefficient is the tip speed ratio times the torque coefficient: that tells a damaged number.
     """

@@ -15,8 +15,8 @@ _REGULAR, _IRREGULAR, _WHITE_NOISE = 1, 2, 3
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DeckSea:
-    """What a deck says of the water: the sea (None when fowtio has no such kind), density [kg/m3] and depth [m] (None when
-    left to the primary file), a still-water level offset [m], and whether a current is defined.
+    """What a deck says of the water: the sea (None when fowtio has no such kind), density [kg/m3] and depth [m] (None
+    when left to the primary file), a still-water level offset [m], and whether a current is defined.
     """
 
     sea: SeaState | None
@@ -33,8 +33,9 @@ def deck_sea(deck: InputFile) -> DeckSea:
     if not model[:1].isdigit():
         raise FormatError(deck.path, deck.line("WaveMod"), expected="a number for WaveMod", found=model)
     kind = int(model) if model.isdigit() else -1
-    heading = np.radians(deck.number("WaveDir", 0.0))
-    low, high = deck.number("WvLowCOff", 0.0), deck.number("WvHiCOff", np.inf)
+    if kind in (_IRREGULAR, _WHITE_NOISE):
+        heading = np.radians(deck.number("WaveDir"))
+        low, high = deck.number("WvLowCOff"), deck.number("WvHiCOff")
     spreading = None
     if deck.has("WaveDirMod") and deck.integer("WaveDirMod", 0) == 1:
         spreading = _spreading(deck)

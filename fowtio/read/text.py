@@ -1,4 +1,4 @@
-"""What every text reader needs: lines whatever their encoding, numbers as Fortran writes them, errors with their place."""
+"""What every text reader needs: lines in any encoding, numbers as Fortran writes them, errors with their place."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def number(token: str) -> float:
 
 
 def numbers(line: str) -> list[float]:
-    """Return the numbers of a line of blank- or comma-separated columns, merged columns taken apart; ValueError if not."""
+    """Return the numbers of a line, apart by blanks, commas or only by their signs; raise ValueError if there are others."""
     tokens = line.replace(",", " ").split()
     try:
         return [number(t) for t in tokens]

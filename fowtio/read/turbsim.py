@@ -1,8 +1,8 @@
 """TurbSim wind fields (.bts): three velocity components on a vertical grid over time.
 
 Source of the layout: TurbSim User's Guide (B. J. Jonkman, NREL), appendix on full-field files in TurbSim format:
-little-endian header, then 16-bit integers scaled by a slope and an offset per component, the component running fastest, then
-y, then z, then time; points of the tower below the grid follow each time step.
+little-endian header, then 16-bit integers scaled by a slope and an offset per component, the component running
+fastest, then y, then z, then time; points of the tower below the grid follow each time step.
 """
 
 from __future__ import annotations
@@ -28,8 +28,9 @@ _RINGS, _SPOKES = 8, 24  # points of the disk average
 class WindField:
     """A wind field on a grid normal to the mean wind.
 
-    time (t) [s]; y (a), z (b) [m], y to the left looking downwind, z from the ground; velocity (t, b, a, 3) [m/s] along x,
-    y, z; mean_speed [m/s] at hub_height [m] as the header says; periodic in time or not; description; source names the file.
+    time (t) [s]; y (a), z (b) [m], y to the left looking downwind, z from the ground; velocity (t, b, a, 3) [m/s]
+    along x, y, z; mean_speed [m/s] at hub_height [m] as the header says; periodic in time or not; description; source
+    names the file.
     """
 
     time: np.ndarray
@@ -98,7 +99,7 @@ def read_turbsim(path: str | Path) -> WindField:
 
 
 def point_wind(field: WindField, y: float, z: float) -> np.ndarray:
-    """Return the velocity (t, 3) [m/s] at a point of the grid plane by bilinear interpolation; raise ModelError outside."""
+    """Return the velocity (t, 3) [m/s] at a point by bilinear interpolation; raise ModelError outside the grid."""
     return _weighted(field, np.array([[y, z]]), np.ones(1))
 
 
@@ -108,7 +109,7 @@ def hub_wind(field: WindField, height: float | None = None) -> np.ndarray:
 
 
 def rotor_wind(field: WindField, radius: float, height: float | None = None) -> np.ndarray:
-    """Return the velocity (t, 3) [m/s] averaged over a rotor disk of a radius [m] around the hub; raise ModelError outside.
+    """Return the velocity (t, 3) [m/s] averaged over a disk of a radius [m] around the hub; raise ModelError outside.
 
     The mean of the interpolated field by Gauss quadrature in the radius squared and equal steps of the angle.
     """

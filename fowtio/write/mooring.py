@@ -49,9 +49,9 @@ def map_text(system: MooringSystem) -> str:
 def moordyn_text(system: MooringSystem, *, version: int = 2, segments: int = 20) -> str:
     """Return a mooring system as the text of a MoorDyn input file.
 
-    version 1 or 2; segments a line. Drag, added mass and damping, which a static system does not have, are written with the
-    values in `_dynamics`. Raises ModelError for what the version cannot say: forces on points in version 2, friction in
-    version 1, different friction of lines, a stack of designs.
+    version 1 or 2; segments a line. Drag, added mass and damping, which a static system does not have, are written
+    with the values in `_dynamics`. Raises ModelError for what the version cannot say: forces on points in version 2,
+    friction in version 1, different friction of lines, a stack of designs.
     """
     _check_one(system)
     if version not in _MOORDYN_KINDS:

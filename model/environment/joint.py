@@ -212,10 +212,10 @@ def variable_to_normal(variable: Variable, x, given=None) -> np.ndarray:
         if variable.family != "weibull":
             return np.where(x > 0, (np.log(np.maximum(x, _TINY)) - p["mean_log"]) / _std(p), -np.inf)
         y = np.maximum(x - p.get("location", 0.0), 0.0) / p["scale"]
-        log_cdf = p.get("exponent", 1.0) * np.log(-np.expm1(-(y ** p["shape"])))
+        log_cdf = p.get("exponent", 1.0) * _log_of_rest(-(y ** p["shape"]))
         upper = log_cdf > np.log(0.5)
         low = ndtri_exp(np.where(upper, np.log(0.5), log_cdf))
-        high = -ndtri_exp(np.where(upper, np.log(-np.expm1(np.where(upper, log_cdf, -1.0))), np.log(0.5)))
+        high = -ndtri_exp(np.where(upper, _log_of_rest(np.where(upper, log_cdf, -1.0)), np.log(0.5)))
         return np.where(upper, high, low)
 
 
@@ -226,7 +226,7 @@ def variable_from_normal(variable: Variable, u, given=None) -> np.ndarray:
     if variable.family != "weibull":
         return np.exp(p["mean_log"] + _std(p) * u)
     with np.errstate(divide="ignore"):
-        z = -np.log(-np.expm1(log_ndtr(u) / p.get("exponent", 1.0)))
+        z = -_log_of_rest(log_ndtr(u) / p.get("exponent", 1.0))
     return p.get("location", 0.0) + p["scale"] * np.maximum(z, 0.0) ** (1 / p["shape"])
 
 
@@ -248,7 +248,7 @@ def family_log_density(family: str, x, p: Mapping[str, np.ndarray]) -> np.ndarra
         z = np.exp(p["shape"] * log_y)
         out = np.log(p["shape"] / p["scale"]) + (p["shape"] - 1) * log_y - z
         if "exponent" in p:
-            out = out + np.log(p["exponent"]) + (p["exponent"] - 1) * np.log(-np.expm1(-z))
+            out = out + np.log(p["exponent"]) + (p["exponent"] - 1) * _log_of_rest(-z)
         return np.where(y > 0, out, -np.inf)
 
 
@@ -270,7 +270,7 @@ def family_score(family: str, x, p: Mapping[str, np.ndarray]) -> dict[str, np.nd
         log_lower = 0.0
     else:
         t = z - 1 - lift * np.where(z > 0, z / np.where(z > 0, np.expm1(np.minimum(z, 700.0)), 1.0), 1.0)
-        log_lower = np.log(-np.expm1(-z))
+        log_lower = _log_of_rest(-z)
     out = {"scale": k * t / p["scale"], "shape": (1 / k - log_y * t)}
     if "exponent" in p:
         out["exponent"] = 1 / p["exponent"] + log_lower
@@ -281,3 +281,10 @@ def family_score(family: str, x, p: Mapping[str, np.ndarray]) -> dict[str, np.nd
 
 def _std(p: Mapping[str, np.ndarray]) -> np.ndarray:
     return p["std_log"] if "std_log" in p else np.sqrt(p["variance_log"])
+
+
+def _log_of_rest(t) -> np.ndarray:
+    """Return ln(1 - e^t) of negative t (...) without loss of digits at either end."""
+    t = np.asarray(t, dtype=float)
+    near = t > -0.7
+    return np.where(near, np.log(-np.expm1(np.where(near, t, -1.0))), np.log1p(-np.exp(np.where(near, -1.0, t))))

@@ -23,7 +23,7 @@ SIGNIFICANT = 0.01  # of the geometric mean of the two diagonal peaks
 TARGET = 0.0095  # of the peak
 PASSIVE = 1e-5  # largest negative eigenvalue of the scaled damping matrix that counts as rounding
 ORDERS = range(4, 26, 2)
-PATIENCE = 6  # fits tried without a tenth of gain before more poles are held to be of no use
+PATIENCE = 10  # fits tried without a tenth of gain before more poles are held to be of no use
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -233,7 +233,7 @@ def _check_grid(poles, omega) -> np.ndarray:
     top, size = omega.max(), np.abs(poles)[:, None]
     near = size * (1 - poles.real[:, None] / size * np.linspace(-4, 4, 17))
     near = near[(near > 0) & (near < 50 * top)]
-    return np.unique(np.concatenate([np.geomspace(omega[0] / 10, 50 * top, 500), near]))
+    return np.unique(np.concatenate([np.geomspace(omega[0] / 10, 50 * top, 200), np.linspace(0, top, 1200)[1:], near]))
 
 
 def _least_squares(basis, g, weight) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -274,7 +274,7 @@ def _cutting_planes(free, roots, rows, scale, planes, limit: int = 40):
             share = np.where(i == j, 1.0, 2.0) * u[:, i] * u[:, j]
             cuts.append((share[:, :, None] * rows[dip][:, None, :]).reshape(len(dip), planes.shape[1]))
         planes = np.concatenate(cuts)
-        change, active = _least_change(roots, planes, 1e-6 - planes @ free.T.ravel())
+        change, active = _least_change(roots, planes, 1e-5 - planes @ free.T.ravel())
         z, planes = free + change.T, planes[active]
     return z, planes, (first, low)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.conventions import PLATFORM_DOFS, freeze
+from model.environment.sea import wavenumber
 from model.response.assemble import Equilibrium, System, to_platform
 from model.response.solve import Response
 from model.system.tower import TOWER_MODES, tower_modes
@@ -23,7 +24,8 @@ class LinearOutputs:
     """Channels y = mean + P x + V x' + A x'' + w u of the degrees of freedom's deviation x and the wind's u.
 
     names, units (c); position, velocity, acceleration (c, q); wind (c, 3) for the wind of the whole rotor and its
-    vertical and lateral gradient; mean (c).
+    vertical and lateral gradient; mean (c). wave_point (c, 2), when given, is the place [m] whose undisturbed wave elevation
+    a channel holds too (NaN for none), and then depth [m] and gravity [m/s2] of the water.
     """
 
     names: tuple[str, ...]
@@ -33,10 +35,13 @@ class LinearOutputs:
     acceleration: np.ndarray
     wind: np.ndarray
     mean: np.ndarray
+    wave_point: np.ndarray | None = None
+    depth: float = np.inf
+    gravity: float = 9.80665
 
     def __post_init__(self):
         freeze(
-            self, position=("c", "q"), velocity=("c", "q"), acceleration=("c", "q"), wind=("c", 3), mean=("c",),
+            self, wave_point=("c", 2), position=("c", "q"), velocity=("c", "q"), acceleration=("c", "q"), wind=("c", 3), mean=("c",),
         )  # fmt: skip
 
 
@@ -91,10 +96,21 @@ def channel_response(outputs: LinearOutputs, response: Response) -> ChannelRespo
         return x @ outputs.position.T + iw * (x @ outputs.velocity.T) + iw**2 * (x @ outputs.acceleration.T)
 
     return ChannelResponse(
-        names=outputs.names, units=outputs.units, to_wave=apply(response.to_wave),
+        names=outputs.names, units=outputs.units, to_wave=apply(response.to_wave) + _elevation(outputs, response),
         to_wind=apply(response.to_wind) + outputs.wind[:, 0], mean=outputs.mean,
         to_gradients=apply(response.to_gradients) + outputs.wind[:, 1:].T[:, None],
     )  # fmt: skip
+
+
+def _elevation(outputs: LinearOutputs, response: Response) -> np.ndarray | float:
+    """Return the wave elevation (m, n, c) at the channels' places per metre of amplitude at the origin."""
+    if outputs.wave_point is None:
+        return 0.0
+    drive = response.excitation
+    k = wavenumber(drive.omega, outputs.depth, outputs.gravity)
+    x, y = np.nan_to_num(outputs.wave_point).T
+    along = np.cos(drive.heading)[:, None] * x + np.sin(drive.heading)[:, None] * y
+    return np.exp(-1j * k[:, None] * along[:, None, :]) * np.isfinite(outputs.wave_point[:, 0])
 
 
 def response_spectra(channels: ChannelResponse, response: Response) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Decks: the embedded one, the layouts of OpenFAST 2 to 5 made from it, ballast, and what is refused with file and line."""
+"""Decks: the embedded one, layouts of OpenFAST 2 to 5 made from it, ballast, what is refused with file and line."""
 
 import re
 
@@ -211,7 +211,7 @@ def test_station_out_of_order(fst):
 
 @pytest.mark.parametrize("model", [1, 2])
 def test_the_three_coefficient_models(fst, model):
-    """Model 1 gives every member the simple coefficient, model 2 interpolates over depth; model 3 is the embedded deck."""
+    """Model 1 gives every member one coefficient, model 2 interpolates over depth; model 3 is the embedded deck."""
     path = fst.parent / "HydroDyn.dat"
     text = path.read_text()
     if model == 1:
@@ -356,7 +356,8 @@ def test_spreading_over_a_quarter_has_the_same_variance(fst):
     for name, value in (("WaveDirMod", "1"), ("WaveDirSpread", "1"), ("WaveDirRange", "90")):
         samples.set_value(path, name, value)
     s = deck_sea(read_input(path)).sea.spreading
-    # mean of cos x of cos^2(2x) between -45 and 45 degrees: (4/pi) [sin(45) + (sin(225)/5 + sin(135)/3)/2 ...] in closed form
+    # mean of cos x of cos^2(2x) between -45 and 45 degrees: (4/pi) [sin(45) + (sin(225)/5 + sin(135)/3)/2 ...] in
+    # closed form
     a = np.pi / 4
     mean = (np.sin(a) + (np.sin(5 * a) / 5 + np.sin(3 * a) / 3) / 2) / a
     assert s / (s + 1) == pytest.approx(mean, rel=1e-5)  # 2000 steps of the midpoint rule

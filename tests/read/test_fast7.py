@@ -148,7 +148,8 @@ def test_what_is_written_comes_back(tmp_path, order, u, w, y, delimiter):
     records = read(tmp_path, text(order, u, w, y, models, delimiter))
     assert len(records) == AZIMUTHS
     for k, (lin, m) in enumerate(zip(records, models, strict=True)):
-        # five digits were written; second order goes through the inverse of a mass matrix with a condition number below 10
+        # five digits were written; second order goes through the inverse of a mass matrix with a condition number
+        # below 10
         tolerance = {"rtol": 1e-4, "atol": 1e-3 if order == 2 else 1e-5}
         np.testing.assert_allclose(lin.A, m["A"], **tolerance)
         np.testing.assert_allclose(lin.B, m["B"], **tolerance)

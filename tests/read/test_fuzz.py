@@ -1,8 +1,9 @@
 """Damaged files: a reader gives finite numbers or a FormatError, never another exception and never NaN.
 
-The seeds are fixed. Default: 13 text files x 150 damages and 6 binary files x 120, about 2,700 in all; the slow version
-does 20 times as many with other seeds. Damages of one line or one character at random places, files cut at random lines,
-and the dress of other systems: Windows line ends, tabs, Latin-1, Fortran's exponents, stars and grown-together columns.
+The seeds are fixed. Default: 8 text files x 150 damages, 6 files of a deck x 110 and 6 binary files x 120, 2,580 in
+all; the slow version does 20 x 3,000 with other seeds. Damages of one line or one character at random places, files cut
+at random lines, and the dress of other systems: Windows line ends, tabs, Latin-1, Fortran's exponents, stars and
+grown-together columns.
 """
 
 import dataclasses
@@ -117,7 +118,7 @@ def finite(value, depth=0) -> bool:
     if isinstance(value, float):
         return bool(np.isfinite(value))
     if dataclasses.is_dataclass(value) and depth < 6:
-        skip = ("input", "values", "input_point", "depth")
+        skip = ("input", "values", "input_point")
         return all(finite(getattr(value, f.name), depth + 1) for f in dataclasses.fields(value) if f.name not in skip)
     if isinstance(value, tuple | list):
         return all(finite(v, depth + 1) for v in value)
@@ -131,8 +132,7 @@ def outcomes(path, contents, read) -> tuple[int, int]:
         path.write_bytes(content)
         try:
             data = read(path)
-        except FowtioError as error:
-            assert str(error)
+        except FowtioError:
             bad += 1
             continue
         assert finite(data)
@@ -185,7 +185,7 @@ def test_bytes(tmp_path, name):
 
 @pytest.mark.parametrize("name", DECK)
 def test_deck(tmp_path, name):
-    fuzz_deck(tmp_path, name, 150)
+    fuzz_deck(tmp_path, name, 110)
 
 
 @pytest.mark.slow

@@ -63,7 +63,8 @@ def test_what_a_file_says(tmp_path):
 
 
 def test_repeat_turns_clockwise(tmp_path):
-    # OpenFAST 5 with MAP++: a line towards 60 degrees with `repeat 240 120` has T[2] along 180 and T[3] towards 300 degrees
+    # OpenFAST 5 with MAP++: a line towards 60 degrees with `repeat 240 120` has T[2] along 180 and T[3] towards 300
+    # degrees
     x, y = float(800 * np.cos(np.pi / 3)), float(800 * np.sin(np.pi / 3))
     text = SAMPLE.replace("1 Fix     800   0", f"1 Fix {x!r} {y!r}").replace(
         " repeat 120\n repeat 240", " repeat 240 120"

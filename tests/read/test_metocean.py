@@ -184,7 +184,8 @@ def test_buoy_files_of_columns_for_year_to_minute(tmp_path):
 @pytest.mark.parametrize(
     ("heading", "keywords", "expected", "noted"),
     [
-        # compass bearing 30: from there, running to 210 degrees; to there, 30. Heading = bearing of x (90) minus bearing
+        # compass bearing 30: from there, running to 210 degrees; to there, 30. Heading = bearing of x (90) minus
+        # bearing
         ("wave direction (deg)", {}, 240.0, True),
         ("wave from direction (deg)", {}, 240.0, False),
         ("wave direction, coming from (deg)", {}, 240.0, False),

@@ -129,7 +129,7 @@ def test_files_are_found_with_backslashes_and_blanks(tmp_path, source):
     folder = tmp_path / "my folder" / "sub folder"
     folder.mkdir(parents=True)
     (folder / "A file.dat").write_text("x")
-    with pytest.raises(FormatError, match="There is A file.dat"):
+    with pytest.raises(FormatError, match=r"There is A file\.dat"):
         source.file("FileName")
     (folder / "a file.dat").write_text("x")
     assert source.file("FileName").read_text() == "x"

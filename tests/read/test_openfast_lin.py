@@ -1,4 +1,4 @@
-"""OpenFAST linearisation files: what is written comes back, in the forms of several versions; what is cut short is refused."""
+"""OpenFAST linearisation files of several versions: what is written comes back, what is cut short is refused."""
 
 import os
 import time

@@ -31,7 +31,8 @@ def test_binary_forms(tmp_path, form):
     assert series.units == UNITS
     assert series.description == "made by the tests"
     assert series.trailing_bytes == 0
-    # packed: half a step of 65535 over the channel's range, and single-precision slopes (2^-24 of the offset, which is large
+    # packed: half a step of 65535 over the channel's range, and single-precision slopes (2^-24 of the offset, which
+    # is large
     # for a channel far from zero); plain doubles: exact
     tolerance = 0 if form == 3 else np.ptp(DATA, axis=0) / 65535 * 0.6 + 1e-6 * np.abs(DATA).max(axis=0)
     assert np.all(np.abs(series.data - DATA) <= tolerance)

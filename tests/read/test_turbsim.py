@@ -54,7 +54,8 @@ def test_average_over_the_rotor_of_a_linear_field_is_that_of_its_centre(tmp_path
 
 
 def test_average_over_the_rotor_of_a_paraboloid(tmp_path):
-    # the mean of r^2 over a disk of radius R is R^2/2; interpolation between points 2 m apart adds at most 2^2/8 times the
+    # the mean of r^2 over a disk of radius R is R^2/2; interpolation between points 2 m apart adds at most 2^2/8
+    # times the
     # second derivative 0.02 in each of two directions, 0.02 in all
     y, z = (np.arange(31) - 15) * 2.0, 60 + np.arange(31) * 2.0
     u = 10 + 0.01 * ((z[:, None] - 90) ** 2 + y[None, :] ** 2)
