@@ -135,6 +135,7 @@ def load(path: str | Path) -> Case:
         )  # fmt: skip
     problems = _Problems(source)
     _check_names(source, problems)
+    _check_row_counts(source, problems)
     case = Case(
         path=path, title=source.lines[1].strip() if len(source.lines) > 1 else "",
         deck=problems.get(lambda: _file(source, "Deck"), path),
@@ -197,6 +198,25 @@ def _table_lines(source: InputFile) -> set[int]:
                 i += 1
                 out.add(i)
     return out
+
+
+def _check_row_counts(source: InputFile, problems: _Problems) -> None:
+    """Note tables that have more rows than their count says: the rest would be passed over."""
+    for count in ("NLin", "NStates", "NRef"):
+        try:
+            table = source.table(count) if source.has(count) else None
+        except FormatError:
+            continue  # noted where the table is read
+        if table is None:
+            continue
+        first = (table.numbers_of_lines[-1] if len(table) else source.line(count) + 2) + 1
+        for i in range(first, len(source.lines) + 1):
+            text = source.lines[i - 1].strip()
+            if text.startswith("---") or text.upper().startswith("END"):
+                break
+            if text and not text.startswith("!") and (len(table) or not text.startswith("(")):
+                problems.add(f"a row more than {count} = {len(table)} says; change {count} or remove the row", i)
+                break
 
 
 def _file(source: InputFile, name: str) -> Path:

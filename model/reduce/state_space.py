@@ -246,7 +246,7 @@ class _Dynamics:
         mass, damping = system.mass.copy(), system.damping.copy()
         mass[np.ix_(here, here)] += infinite_added_mass(system.hydro)[np.ix_(rows, rows)]
         damping[np.ix_(here, here)] += np.asarray(drag_damping)[np.ix_(rows, rows)]
-        live = np.flatnonzero(np.any(radiation.b[:, rows] != 0, axis=1))
+        live = np.flatnonzero(_reachable(radiation.a, np.any(radiation.b[:, rows] != 0, axis=1)))
         r, e = len(live), 0 if excitation is None else len(excitation.a)
         self.system, self.q, self.places = system, q, (slice(0, q), slice(q, 2 * q), slice(2 * q, 2 * q + r), slice(2 * q + r, 2 * q + r + e))
         position, rate, memory, wave = self.places
@@ -286,6 +286,16 @@ class _Dynamics:
         dofs = self.system.dofs
         units = ["rad" if d in PLATFORM_DOFS[3:] else "m" for d in dofs]
         return np.eye(len(self.a))[:, : 2 * self.q], (*dofs, *(f"{d}_velocity" for d in dofs)), (*units, *(_RATE[u] for u in units))
+
+
+def _reachable(a: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Return which states (n) the states to start from (n) drive, directly or through others."""
+    linked = (a != 0) | np.eye(len(a), dtype=bool)
+    while True:
+        more = linked @ start
+        if np.array_equal(more, start):
+            return start
+        start = more
 
 
 def modal_form(system: StateSpace, *, worst: float = WORST_CONDITION) -> ModalForm:

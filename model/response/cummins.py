@@ -267,22 +267,14 @@ def _times(weights: np.ndarray, values: np.ndarray) -> np.ndarray:
 def _tail_cosine(z: np.ndarray) -> np.ndarray:
     """Return the integral of cos(z x) / x^4 over x from 1 to infinity, for z (t) not negative.
 
-    Three integrations by parts lead to the cosine integral; beyond z = 30 its asymptotic series, whose terms fall until then.
+    Three integrations by parts lead to the sine integral; beyond z = 200, where they cancel, the asymptotic series.
     """
-    z = np.asarray(z, dtype=float)
-    small = np.where(z < 30, z, 1.0)
-    sine, cosine = np.sin(small), np.cos(small)
-    ci = sici(np.where(small > 0, small, 1.0))[1]
-    near = cosine / 3 - small * sine / 6 - small**2 * cosine / 6 - small**3 / 6 * _cos_integral_part(small, ci)
-    large = np.where(z < 30, 30.0, z)
-    series = sum(term / large ** (2 * k + 1) for k, term in enumerate((1.0, -20.0, 840.0, -60480.0)))
-    other = sum(term / large ** (2 * k + 2) for k, term in enumerate((4.0, -120.0, 6720.0, -604800.0)))
-    return np.where(z < 30, near, -np.sin(large) * series + np.cos(large) * other)
-
-
-def _cos_integral_part(z: np.ndarray, ci: np.ndarray) -> np.ndarray:
-    """Return the integral of sin(z x) / x over x from 1 to infinity, which is pi/2 - Si(z)."""
-    return np.pi / 2 - sici(z)[0]
+    near = np.minimum(z, 200.0)
+    sine, cosine = np.sin(near), np.cos(near)
+    closed = cosine / 3 - near * sine / 6 - near**2 * cosine / 6 + near**3 / 6 * (np.pi / 2 - sici(near)[0])
+    far = np.maximum(z, 200.0)
+    series = -np.sin(far) * (1 / far - 20 / far**3) + np.cos(far) * (4 / far**2 - 120 / far**4)
+    return np.where(z < 200, closed, series)
 
 
 def _tail_ogilvie(r: np.ndarray) -> np.ndarray:
