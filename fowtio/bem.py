@@ -6,7 +6,7 @@ in the panel size h, so the coefficients of two meshes, one with half the panel 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -86,7 +86,7 @@ def solve_frequency(body, omega: float, settings: BemSettings, solver=None) -> d
     depth = settings.depth
     if omega == 0 or (np.isfinite(omega) and omega**2 * depth / settings.gravity > DEEP):
         depth = np.inf
-    common = dict(body=body, omega=omega, water_depth=depth, rho=settings.density, g=settings.gravity)
+    common = {"body": body, "omega": omega, "water_depth": depth, "rho": settings.density, "g": settings.gravity}
     if omega == 0 or np.isinf(omega):
         results = [solver.solve(cpt.RadiationProblem(radiating_dof=d, **common), keep_details=False) for d in DOFS]
         added, damping = np.array([[r.added_mass[dof] for r in results] for dof in DOFS]), np.zeros((6, 6))

@@ -133,6 +133,7 @@ def load(path: str | Path) -> Case:
             path, 1, expected=f"'--- {TITLE_RULE} ---' or an OpenFAST primary file (.fst)", found=source.lines[0],
             hint="fowtio init DIR writes a study to start from",
         )  # fmt: skip
+    source = _without_rows(source)
     problems = _Problems(source)
     _check_names(source, problems)
     _check_row_counts(source, problems)
@@ -186,6 +187,15 @@ def _check_names(source: InputFile, problems: _Problems) -> None:
         near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
         hint = f"; did you mean {known[near[0]]}?" if near else f"; known names are {', '.join(_NAMES)}"
         problems.add(f"unknown name {written}{hint}", line)
+
+
+def _without_rows(source: InputFile) -> InputFile:
+    """Return the file without the values that rows of its tables seem to give (a row that ends in "deck" is no Deck)."""
+    rows = _table_lines(source)
+    return replace(
+        source, entries={k: v for k, v in source.entries.items() if v[0] not in rows},
+        repeated={k: line for k, line in source.repeated.items() if line not in rows},
+    )  # fmt: skip
 
 
 def _table_lines(source: InputFile) -> set[int]:

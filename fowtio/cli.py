@@ -18,7 +18,7 @@ OUT = Annotated[Path | None, typer.Option("-o", "--out", help="folder for result
 JSON = Annotated[bool, typer.Option("--json", help="one JSON document on standard output, nothing else there")]
 QUIET = Annotated[bool, typer.Option("--quiet", help="no progress and no notes")]
 VERBOSE = Annotated[bool, typer.Option("--verbose", help="tracebacks for errors inside fowtio")]
-EXIT_INPUT, EXIT_CHECK = 1, 3
+EXIT_INPUT, EXIT_CHECK, EXIT_INTERRUPTED = 1, 3, 130
 
 
 @app.command()
@@ -44,15 +44,21 @@ def run(
     """The main job: model, natural periods, RAOs, responses and loads; tables, figures, report."""
     from fowtio import report_data, terminal
     from fowtio.case import load
+    from fowtio.direct import compare_direct, direct_section
     from fowtio.workflow import build, loads, solve_states
     from fowtio.write.results import write_results
 
     with terminal.Progress(quiet=quiet or json) as say:
         study = load(case)
         model = build(study, progress=say)
-        results = loads(solve_states(model, progress=say), study.options.duration)
+        responses = solve_states(model, progress=say)
+        results = loads(responses, study.options.duration)
         folder = out or Path("results") / case.stem
-        files = write_results(model, results, folder, figures=figures, report=figures, progress=say)
+        direct = compare_direct(model, responses[0]) if study.direct else None
+        sections = [direct_section(direct)] if direct is not None and figures else []
+        files = write_results(
+            model, results, folder, figures=figures, report=figures, extra_sections=sections, progress=say
+        )
     if json:
         _print_json(report_data.run_json(model, results, folder, files))
     elif not quiet:
@@ -170,6 +176,22 @@ def bench(case: CASE, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE
         terminal.show_rows(f"timings of {case}", [(name, f"{seconds * 1e3:9.2f} ms") for name, seconds in rows])
 
 
+@app.command()
+def tower(
+    deck: Annotated[Path, typer.Argument(help="OpenFAST primary file (.fst) or ElastoDyn file", show_default=False)],
+    out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Tower natural frequencies and shapes by finite elements; polynomials for ElastoDyn's tower file."""
+    from fowtio.tower_report import report_json, show_tower, tower_report, write_tower
+
+    found = tower_report(deck)
+    files = write_tower(found, out) if out is not None else []
+    if json:
+        _print_json(report_json(found, files))
+    elif not quiet:
+        show_tower(found, files)
+
+
 def main() -> None:
     """Run the command line; say what is wrong without a traceback and exit with 1."""
     from fowtio.errors import FowtioError
@@ -179,9 +201,11 @@ def main() -> None:
     except FowtioError as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(EXIT_INPUT)
-    except KeyboardInterrupt:
-        print("interrupted; nothing was written", file=sys.stderr)
-        sys.exit(130)
+    except (KeyboardInterrupt, SystemExit) as stop:
+        code = EXIT_INTERRUPTED if isinstance(stop, KeyboardInterrupt) else stop.code
+        if code == EXIT_INTERRUPTED:
+            print("interrupted; nothing was written", file=sys.stderr)
+        sys.exit(code)
     except OSError as error:
         print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
         sys.exit(EXIT_INPUT)

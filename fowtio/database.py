@@ -14,11 +14,16 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
 from fowtio.bem import BemSettings, capytaine_body, extrapolated, load_capytaine, solve_frequency
+from fowtio.errors import FormatError, ModelError
 from fowtio.hulls import semi_mesh
+from model.system.hydro_database import HydroDatabase
 
 GRAVITY = 9.80665
+FORM = "fowtio hydrodynamic database 1"
+EMBEDDED = "semi_10mw/semi_database.nc"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,10 +60,10 @@ def plan_nodes(plan: DatabasePlan) -> np.ndarray:
 
 def plan_meshes(plan: DatabasePlan, diameter: float, radius: float, draft: float) -> list:
     """Return the coarse and the fine mesh of one hull, with the same number of panels for every hull."""
-    common = dict(
-        plate_diameter=plan.plate_ratio * diameter, plate_thickness=plan.plate_thickness,
-        central_diameter=plan.central_diameter, size=plan.panels, around=plan.around,
-    )  # fmt: skip
+    common = {
+        "plate_diameter": plan.plate_ratio * diameter, "plate_thickness": plan.plate_thickness,
+        "central_diameter": plan.central_diameter, "size": plan.panels, "around": plan.around,
+    }  # fmt: skip
     return [semi_mesh(diameter, radius, draft, refine=refine, **common) for refine in (1, 2)]
 
 
@@ -128,8 +133,11 @@ def fingerprint(plan: DatabasePlan) -> str:
     return hashlib.sha256(json.dumps(asdict(plan), sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
-def solve_plan(plan: DatabasePlan, folder: str | Path, *, jobs: int = 2, progress=None) -> None:
-    """Solve what is missing of a plan, in parallel over hulls through joblib; a stopped run goes on where it was."""
+def solve_plan(plan: DatabasePlan, folder: str | Path, *, jobs: int = 2, dask: str | None = None, progress=None) -> None:
+    """Solve what is missing of a plan, in parallel over hulls through joblib; a stopped run goes on where it was.
+
+    dask is the address of a scheduler (host:port) whose workers see the folder; without it `jobs` processes run here.
+    """
     from joblib import Parallel, delayed
 
     folder = Path(folder)
@@ -137,14 +145,146 @@ def solve_plan(plan: DatabasePlan, folder: str | Path, *, jobs: int = 2, progres
     mark = folder / "plan.json"
     text = json.dumps({"fingerprint": fingerprint(plan), **asdict(plan)}, indent=1, default=str)
     if mark.exists() and json.loads(mark.read_text())["fingerprint"] != fingerprint(plan):
-        from fowtio.errors import ModelError
-
         raise ModelError(f"{folder} holds results of another plan; give another folder or remove it")
     mark.write_text(text + "\n", encoding="utf-8")
     todo = [(k, h) for k, h in tasks(plan) if not (folder / f"hull{k:04d}_depth{h:g}.npz").exists()]
     done = len(tasks(plan)) - len(todo)
     work = (delayed(run_task)(plan, k, h, str(folder)) for k, h in todo)
+    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(variable, "1")
+    if progress:
+        progress(done, len(tasks(plan)))
+    if dask:
+        _on_dask(work, dask)
+        return
     for _ in Parallel(n_jobs=jobs, return_as="generator_unordered")(work):
         done += 1
         if progress:
             progress(done, len(tasks(plan)))
+
+
+def _on_dask(work, address: str) -> None:
+    """Run delayed tasks on the workers of a Dask scheduler."""
+    try:
+        from dask.distributed import Client
+    except ImportError as error:
+        raise ModelError("a Dask cluster needs the package distributed: pip install distributed") from error
+    from joblib import Parallel, parallel_config
+
+    with Client(address), parallel_config(backend="dask"):
+        Parallel()(work)
+
+
+def collect(plan: DatabasePlan, folder: str | Path) -> HydroDatabase:
+    """Return the database of a solved plan; raises ModelError naming how much is missing."""
+    folder, hulls = Path(folder), plan_nodes(plan)
+    missing = [1 for k, h in tasks(plan) if not (folder / f"hull{k:04d}_depth{h:g}.npz").exists()]
+    if missing:
+        raise ModelError(f"{len(missing)} of {len(tasks(plan))} solutions are missing in {folder}; run fowtio database build again")
+    headings = np.radians(plan.headings_deg)
+    depths = sorted(plan.depths, reverse=True)
+    values, infinite = [], []
+    for depth in depths:
+        rows = []
+        for k, hull in enumerate(hulls):
+            deep = dict(np.load(folder / f"hull{k:04d}_depthinf.npz"))
+            here = dict(np.load(folder / f"hull{k:04d}_depth{depth:g}.npz"))["values"]
+            here = np.where(np.isnan(here), deep["values"], here)
+            rows.append(np.concatenate([_still_row(plan, hull, deep["zero"], len(headings))[None], here]))
+            if depth == depths[0]:
+                infinite.append(deep["infinite"])
+        values.append(rows)
+    axes = [chebyshev_points(*getattr(plan, name)) for name in ("diameter", "radius", "draft")]
+    shape = tuple(len(a) for a in axes)
+    values = np.array(values, dtype=np.float32)
+    return HydroDatabase(
+        diameter=axes[0], radius=axes[1], draft=axes[2], inverse_depth=1 / np.array(depths), heading=headings,
+        scaled_frequency=np.concatenate([[0.0], plan.scaled_frequency]), values=values.reshape(len(depths), *shape, *values.shape[2:]),
+        infinite=np.array(infinite, dtype=np.float32).reshape(*shape, 5), density=plan.density, gravity=GRAVITY,
+    )  # fmt: skip
+
+
+def _still_row(plan: DatabasePlan, hull, zero: np.ndarray, headings: int) -> np.ndarray:
+    """Return the row of zero frequency: added mass of still deep water, no damping, the waterplane's stiffness as excitation."""
+    area = np.pi / 4 * (3 * hull[0] ** 2 + plan.central_diameter**2)
+    force = np.zeros((headings, 6))
+    force[:, 2] = plan.density * GRAVITY * area
+    return np.concatenate([zero, np.zeros(5), force.ravel(), np.zeros(6 * headings)])
+
+
+def write_database(database: HydroDatabase, path: str | Path, plan: DatabasePlan) -> Path:
+    """Write a database as netCDF with the plan, the solver's version and a checksum; finite depths as differences from deep water."""
+    path = Path(path)
+    values = np.asarray(database.values, dtype=np.float32)
+    change = values[1:] - values[0]
+    felt = np.flatnonzero(np.any(change != 0, axis=(0, 1, 2, 3, 5)))
+    rows = int(felt.max()) + 1 if len(felt) else 0
+    grid = ("diameter", "radius", "draft")
+    data = xr.Dataset(
+        {
+            "deep": ((*grid, "scaled_frequency", "quantity"), values[0]),
+            "change": (("finite_depth", *grid, "low_frequency", "quantity"), change[..., :rows, :]),
+            "infinite": ((*grid, "matrix"), np.asarray(database.infinite, dtype=np.float32)),
+        },
+        coords={name: database.__dict__[name] for name in (*grid, "scaled_frequency")}
+        | {"inverse_depth": ("finite_depth", database.inverse_depth[1:]), "heading": database.heading},
+        attrs={
+            "form": FORM, "solver": f"Capytaine {load_capytaine().__version__}", "plan": json.dumps(asdict(plan), default=str),
+            "density": database.density, "gravity": database.gravity,
+            "quantities": "added mass 11 33 55 66 15, damping alike, real and imaginary excitation (heading, 6), SI, e^{+i omega t}",
+        },
+    )  # fmt: skip
+    data.attrs["checksum"] = checksum(data)
+    part = path.with_suffix(".part")
+    packed = {name: {"zlib": True, "complevel": 6, "shuffle": True} for name in ("deep", "change", "infinite")}
+    data.to_netcdf(part, engine="h5netcdf", encoding=packed)
+    os.replace(part, path)
+    return path
+
+
+def read_database(path: str | Path | None = None) -> HydroDatabase:
+    """Return a database from its file (the one that comes with fowtio when no path is given); its checksum is verified."""
+    path = embedded_path() if path is None else Path(path)
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as file:
+            data = file.load()
+    except OSError as error:
+        raise FormatError(path, expected="a coefficient database (netCDF)", found=str(error)) from None
+    if data.attrs.get("form") != FORM:
+        raise FormatError(path, expected=FORM, found=str(data.attrs.get("form")), hint="fowtio database build writes one")
+    if checksum(data) != data.attrs["checksum"]:
+        raise FormatError(path, expected=f"checksum {data.attrs['checksum']}", found=checksum(data), hint="The file is damaged; build or fetch it again")
+    deep = data["deep"].values
+    values = np.repeat(deep[None], 1 + data.sizes["finite_depth"], axis=0)
+    change = data["change"].values
+    values[1:, ..., : change.shape[-2], :] += change
+    return HydroDatabase(
+        **{name: data[name].values for name in ("diameter", "radius", "draft", "scaled_frequency", "heading")},
+        inverse_depth=np.concatenate([[0.0], data["inverse_depth"].values]), values=values, infinite=data["infinite"].values,
+        density=data.attrs["density"], gravity=data.attrs["gravity"],
+    )  # fmt: skip
+
+
+def database_plan(path: str | Path | None = None) -> DatabasePlan:
+    """Return the plan that a database was built from."""
+    with xr.open_dataset(embedded_path() if path is None else path, engine="h5netcdf") as file:
+        stored = json.loads(file.attrs["plan"])
+    return DatabasePlan(**{k: tuple(float(x) for x in v) if k == "depths" else tuple(v) if isinstance(v, list) else v for k, v in stored.items()})
+
+
+def embedded_path() -> Path:
+    """Return the path of the database that comes with fowtio."""
+    from importlib.resources import files
+
+    path = Path(str(files("fowtio.cases"))) / EMBEDDED
+    if not path.is_file():
+        raise ModelError("no coefficient database is installed; build one: fowtio database build")
+    return path
+
+
+def checksum(data: xr.Dataset) -> str:
+    """Return the SHA-256 of the numbers of a database's file."""
+    digest = hashlib.sha256()
+    for name in sorted(map(str, data.variables)):
+        digest.update(np.ascontiguousarray(data[name].values).tobytes())
+    return digest.hexdigest()

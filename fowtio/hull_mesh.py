@@ -7,6 +7,7 @@ with the area of the circle they stand for, so that volume and waterplane are ex
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -91,7 +92,7 @@ def polyline(corners, size, refine: int = 1) -> np.ndarray:
     """
     corners = np.asarray(corners, dtype=float)
     pieces = [corners[:1]]
-    for k, (a, b) in enumerate(zip(corners[:-1], corners[1:], strict=True)):
+    for k, (a, b) in enumerate(pairwise(corners)):
         count = refine * (max(1, round(np.linalg.norm(b - a) / size)) if np.isscalar(size) else size[k])
         u = np.linspace(0.0, 1.0, count + 1)[1:, None]
         at_surface = a[1] == 0 and b[1] < 0
@@ -127,7 +128,7 @@ def tube(start, end, radius: float, along: int, around: int, *, side=(0.0, 2 * n
     t = np.linspace(0.0, 1.0, along + 1)
     distance = reach[:, :1] + t * (reach[:, 1:] - reach[:, :1])
     points = lines[:, None] + distance[..., None] * direction
-    return _quads(np.swapaxes(points, 0, 1)[::-1])
+    return _quads(np.swapaxes(points, 0, 1))
 
 
 def box(half_length: float, half_width: float, draft: float, size: float, *, refine: int = 1, moonpool: float = 0.0) -> np.ndarray:
@@ -137,7 +138,7 @@ def box(half_length: float, half_width: float, draft: float, size: float, *, ref
     x, y = (_with_pool(half, pool, size, refine) for half in (half_length, half_width))
     side_x = _wall(x[x <= half_length + 1e-9], z, lambda s: (s, half_width))[:, ::-1]
     side_y = _wall(y, z, lambda s: (half_length, s))
-    bottom = _quads(np.stack(np.meshgrid(x, y, indexing="ij") + [np.full((len(x), len(y)), -draft)], axis=-1))
+    bottom = _quads(np.stack([*np.meshgrid(x, y, indexing="ij"), np.full((len(x), len(y)), -draft)], axis=-1))
     centre = bottom.mean(axis=1)
     bottom = bottom[~((centre[:, 0] < pool) & (centre[:, 1] < pool))][:, ::-1]
     parts = [side_x, side_y, bottom]
@@ -150,7 +151,7 @@ def box_lid(half_length: float, half_width: float, size: float, *, refine: int =
     """Return a quarter of the lid of a box barge at still water, without the moonpool."""
     pool = moonpool / 2
     x, y = (_with_pool(half, pool, size, refine) for half in (half_length, half_width))
-    panels = _quads(np.stack(np.meshgrid(x, y, indexing="ij") + [np.zeros((len(x), len(y)))], axis=-1))
+    panels = _quads(np.stack([*np.meshgrid(x, y, indexing="ij"), np.zeros((len(x), len(y)))], axis=-1))
     centre = panels.mean(axis=1)
     return panels[~((centre[:, 0] < pool) & (centre[:, 1] < pool))]
 

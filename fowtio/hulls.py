@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fowtio.hull_mesh import HullMesh, box, box_lid, lid_disc, revolved, tube
+from model.design.hull import SemiHull, wet_braces
 
 SIXTH = (2 * np.pi / 3, np.pi)
 HALF = (0.0, np.pi)
@@ -20,8 +21,8 @@ def semi_mesh(
 
     Column diameter, radius of the platform (axis to column axis), draft, heave plate diameter (twice the column's when not
     given) and thickness, central column's diameter and draft [m]; panels of `size` [m] along the profile (or their
-    numbers along column, plate top, plate side and bottom) and `around` on a circle, both divided by `refine`. members: pontoons and braces (start (3), end (3), diameter) of one sixth of the hull
-    (see `semi_braces`). Three-fold and mirror symmetry.
+    numbers along column, plate top, plate side and bottom) and `around` on a circle, both divided by `refine`. members: pontoons and braces of one sixth of the hull, from
+    `semi_braces`. Three-fold and mirror symmetry.
     """
     r, plate = diameter / 2, (2 * diameter if plate_diameter is None else plate_diameter) / 2
     top, centre = -draft + plate_thickness, (-radius, 0.0)
@@ -35,7 +36,7 @@ def semi_mesh(
         revolved(column, size, around, refine=refine, centre=centre, sector=HALF),
         revolved(middle, inner, inner_around, refine=refine, sector=SIXTH),
     ]
-    parts += [_member(m, refine) for m in members]
+    parts += [_brace(*m, refine) for m in members]
     lid = [
         lid_disc(r, rings, around, refine=refine, centre=centre, sector=HALF),
         lid_disc(central_diameter / 2, 1, inner_around, refine=refine, sector=SIXTH),
@@ -64,3 +65,86 @@ def barge_mesh(
         part=box(*shape, draft, size, refine=refine, moonpool=moonpool),
         lid=box_lid(*shape, size, refine=refine, moonpool=moonpool), symmetry="xz yz",
     )  # fmt: skip
+
+
+def semi_braces(hull: SemiHull) -> list[tuple]:
+    """Return the wet pontoons and braces of one sixth of a hull for `semi_mesh`: (start, end, radius, side, start and end surface).
+
+    They end on the columns' and plates' walls and at still water; their joints' small openings stay in the walls.
+    """
+    plate, centre = hull.plate_diameter / 2, np.array([-float(hull.radius), 0.0])
+    central = ("wall", np.zeros(2), float(hull.central_diameter) / 2)
+    outer = ("wall", centre, float(plate))
+    half = (-np.pi / 2, np.pi / 2)
+    out = []
+    for name, start, end in wet_braces(hull):
+        start, end = (np.array(np.broadcast_to(p, (3,)), dtype=float) for p in (start, end))
+        if "delta" in name:
+            start, end = start * [1, -1, 1], end * [1, -1, 1]
+            out.append((start, (start + end) / 2, float(hull.brace_diameter) / 2, (0.0, 2 * np.pi), outer, None))
+        else:
+            last = ("surface",) if abs(end[2]) < 1e-9 else outer
+            out.append((start, end, float(hull.brace_diameter) / 2, half, central, last))
+    return out
+
+
+def _brace(start, end, radius, side, first, last, refine: int) -> np.ndarray:
+    """Return the panels of one pontoon or brace between two surfaces."""
+    length = np.linalg.norm(end - start)
+
+    def trim(lines, direction):
+        reach = [_reach(lines, direction, surface, nominal) for surface, nominal in ((first, 0.0), (last, length))]
+        return np.stack(reach, axis=1)
+
+    along = refine * max(2, round(length / 3.0))
+    return tube(start, end, radius, along, 6 * refine, side=side, trim=trim)
+
+
+def _reach(lines, direction, surface, nominal: float) -> np.ndarray:
+    """Return how far along lines (k, 3) a surface lies, nearest to a nominal distance [m]."""
+    if surface is None:
+        return np.full(len(lines), nominal)
+    if surface[0] == "surface":
+        return -lines[:, 2] / direction[2]
+    _, axis, radius = surface
+    flat = lines[:, :2] - axis
+    a, b = direction[:2] @ direction[:2], flat @ direction[:2]
+    root = np.sqrt(b**2 - a * (np.sum(flat**2, axis=1) - radius**2))
+    both = np.stack([(-b - root) / a, (-b + root) / a], axis=1)
+    return both[np.arange(len(lines)), np.argmin(np.abs(both - nominal), axis=1)]
+
+
+def tlp_mesh(
+    diameter: float, draft: float, *, pontoon_length: float = 0.0, pontoon_diameter: float = 0.0, pontoon_depth: float | None = None,
+    pontoons: int = 4, size: float = 4.0, around: int = 16, refine: int = 1,
+) -> HullMesh:  # fmt: skip
+    """Return the mesh of a tension-leg platform: a round column and round pontoons along +-x and +-y from its wall.
+
+    Diameter and draft of the column, length (from the wall), diameter and axis depth of the pontoons [m]; 0 or 4 pontoons.
+    """
+    column = spar_mesh([(diameter / 2, 0.0), (diameter / 2, -draft)], size=size, around=around, refine=refine)
+    if not pontoon_length:
+        return column
+    if pontoons != 4:
+        raise ValueError(f"pontoons is {pontoons}; the mesh has two planes of symmetry and takes 4")
+    r, h = pontoon_diameter / 2, -(draft - pontoon_diameter / 2 if pontoon_depth is None else pontoon_depth)
+    wall, half = ("wall", np.zeros(2), diameter / 2), (-np.pi / 2, np.pi / 2)
+    parts = [column.part]
+    for direction, side in (((1.0, 0.0, 0.0), (np.pi / 2, 3 * np.pi / 2)), ((0.0, 1.0, 0.0), half)):
+        d = np.array(direction)
+        start, end = d * diameter / 2 + [0, 0, h], d * (diameter / 2 + pontoon_length) + [0, 0, h]
+        parts.append(_brace(start, end, r, side, wall, None, refine))
+        parts.append(_cap(end, d, r, side, refine))
+    return HullMesh(part=np.concatenate(parts), lid=column.lid, symmetry="xz yz")
+
+
+def _cap(centre, direction, radius: float, side, refine: int) -> np.ndarray:
+    """Return the half disc that closes a pontoon's free end."""
+    right = np.cross(direction, [0.0, 0.0, 1.0])
+    upper = np.cross(right, direction)
+    angle = np.linspace(*side, 3 * refine + 1)
+    step = angle[1] - angle[0]
+    rings = radius * np.sqrt(step / np.sin(step)) * np.linspace(1.0, 0.0, refine + 1)
+    points = centre + rings[:, None, None] * (np.cos(angle)[:, None] * right + np.sin(angle)[:, None] * upper)
+    lower, inner = points[:-1], points[1:]
+    return np.stack([inner[:, :-1], lower[:, :-1], lower[:, 1:], inner[:, 1:]], axis=2).reshape(-1, 4, 3)

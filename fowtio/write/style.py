@@ -116,6 +116,13 @@ def save(drawing: Drawing, folder: Path) -> Picture:
     return Picture(name=drawing.name, group=drawing.group, title=drawing.title, caption=drawing.caption, svg=svg)
 
 
+def as_picture(drawing: Drawing) -> Picture:
+    """Return a drawing as a picture without writing files."""
+    with mpl.rc_context({**RC, "svg.hashsalt": drawing.name}):
+        svg = _svg(drawing.figure)
+    return Picture(name=drawing.name, group=drawing.group, title=drawing.title, caption=drawing.caption, svg=svg)
+
+
 def _svg(figure: Figure) -> str:
     """Return a figure as SVG without prologue, metadata and names of groups: for a page, the same every time."""
     stream = io.StringIO()

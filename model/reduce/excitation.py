@@ -11,8 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.conventions import freeze
+from model.conventions import PLATFORM_DOFS, freeze
+from model.reduce.importance import Importance, pooled
 from model.reduce.rational import RationalFit, fit, realisation
+from model.response.solve import Response
+from model.system.hydro import HydroCoefficients, excitation_at
 
 TARGET = 0.01
 SHIFTS = (12.0, 15.0, 18.0, 21.0)
@@ -43,6 +46,57 @@ class ExcitationFit:
         iw = 1j * np.asarray(omega, dtype=float)
         state = np.linalg.solve(iw[:, None, None] * np.eye(len(self.a)) - self.a, self.b[:, None] + 0j)[..., 0]
         return state @ self.c.T * np.exp(iw * self.shift)[:, None]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WaveForce:
+    """Wave force per metre of amplitude, drag's part included: omega (n) [rad/s], headings (m) [rad], force (m, n, 6)."""
+
+    omega: np.ndarray
+    heading: np.ndarray
+    force: np.ndarray
+
+    def __post_init__(self):
+        freeze(self, omega=("n",), heading=("m",), force=("m", "n", 6))
+
+
+def wave_force(response: Response) -> WaveForce:
+    """Return the total wave force of a response: potential flow, and drag as it was linearised for the response's sea."""
+    here = [(PLATFORM_DOFS.index(d), response.dofs.index(d)) for d in response.dofs if d in PLATFORM_DOFS]
+    rows, places = ([pair[k] for pair in here] for k in (0, 1))
+    full = np.einsum("nij,mnj->mni", response.dynamic_stiffness, response.to_wave)
+    force = np.zeros((*full.shape[:2], 6), dtype=complex)
+    force[..., rows] = full[..., places]
+    return WaveForce(omega=response.excitation.omega, heading=response.excitation.heading, force=force)
+
+
+def fit_wave_force(
+    hydro: HydroCoefficients, waves: WaveForce, column: int, matters: Importance, *, low_frequency: str = "hold", band=(LOW, 3.2)
+) -> ExcitationFit:
+    """Return the causal state space of the wave force from one heading (its place among those of `waves`).
+
+    The fit is judged at the frequencies of the data: between them the model interpolates the force linearly, with kinks that
+    no impulse response of reasonable length has. band [rad/s] outside which nothing is fitted.
+    """
+    data = np.array([w for w in hydro.omega if band[0] <= w <= band[1]])
+    data = np.unique(np.concatenate([np.geomspace(band[0] * 1.05, data[0], 3)[:-1], data]))
+    between = waves.omega[(waves.omega >= band[0]) & (waves.omega <= band[1])]
+    omega, first = np.unique(np.concatenate([data, between]), return_index=True)
+    nodes = first < len(data)
+    heading = waves.heading[column]
+    drag = waves.force[column] - excitation_at(hydro, waves.omega, heading, low_frequency=low_frequency)
+    drag = np.stack([np.interp(omega, waves.omega, f.real) + 1j * np.interp(omega, waves.omega, f.imag) for f in drag.T], axis=1)
+    force = excitation_at(hydro, omega, heading, low_frequency=low_frequency) + drag
+    driven = np.any(waves.force[column] != 0, axis=0)
+    force = force * driven
+    size = np.abs(force)
+    peak = size[nodes].max(axis=0)
+    lever = np.where(np.arange(6) < 3, 1.0, 30.0)  # m, to tell forces and moments that are there from rounding
+    alive = driven & (peak > 1e-4 * lever * (peak / lever).max(initial=0.0))
+    sensitive = np.stack([np.interp(omega, data, s) for s in pooled(matters.omega, matters.force, data).T], axis=1)
+    with np.errstate(divide="ignore"):
+        weight = np.minimum(np.maximum(sensitive, 0.3 / peak), 1 / size + 1 / peak)
+    return fit_excitation(omega, force, np.where(alive, weight, 0.0), nodes)
 
 
 def fit_excitation(

@@ -16,13 +16,16 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from model.conventions import PLATFORM_DOFS, freeze
+from model.reduce.importance import Importance, pooled
 from model.reduce.rational import RationalFit, admissible, fit, partial_fractions, realisation, starting_poles
 from model.system.hydro import HydroCoefficients, infinite_added_mass, radiation_at
 
 SIGNIFICANT = 0.01  # of the geometric mean of the two diagonal peaks
-TARGET = 0.0095  # of the peak
+TARGET = 0.0055  # of the peak, and of any response
 PASSIVE = 1e-5  # largest negative eigenvalue of the scaled damping matrix that counts as rounding
-ORDERS = range(4, 26, 2)
+RESPONSE = 0.5  # what a relative error of a response counts beside an error of K relative to its peak
+MOST = 300.0  # that responses may raise the weight of an error above that of a fraction of the peak
+ORDERS = range(6, 30, 2)
 PATIENCE = 10  # fits tried without a tenth of gain before more poles are held to be of no use
 
 
@@ -65,27 +68,32 @@ def retardation_transform(hydro: HydroCoefficients, omega) -> np.ndarray:
     return (k + np.swapaxes(k, 1, 2)) / 2
 
 
-def fit_radiation(hydro: HydroCoefficients, *, target: float = TARGET, orders=ORDERS) -> RadiationFit:
+def fit_radiation(
+    hydro: HydroCoefficients, matters: Importance | None = None, *, target: float = TARGET, orders=ORDERS
+) -> RadiationFit:
     """Return a stable, passive state space of the radiation of a body.
 
     Parameters
     ----------
     hydro : coefficients about the platform reference point
-    target : largest error sought, a fraction of each pair's peak
+    matters : what errors do to the responses; where they do much, the fit is closer
+    target : largest error sought, a fraction of each pair's peak, and of any response
     orders : numbers of poles tried in turn for each block until the target is reached; the best one stays otherwise
     """
     omega = hydro.omega
     low, high = omega[0], omega[-1]
-    grid = np.concatenate([[low / 4, low / 2], omega, high * np.array([1.05, 1.1, 1.2, 1.35, 1.5, 2.0])])
+    natural = [] if matters is None else [w for w in matters.natural if low < w < high]
+    grid = np.unique(np.concatenate([[low / 4, low / 2], omega, natural, high * np.array([1.05, 1.1, 1.2, 1.35, 1.5, 2.0])]))
+    urgent = np.zeros((len(grid), 6, 6)) if matters is None else pooled(matters.omega, matters.radiation, grid)
     data = retardation_transform(hydro, grid)
-    inside = (grid >= low) & (grid <= high)
+    inside = (grid >= low * (1 - 1e-9)) & (grid <= high * (1 + 1e-9))
     peak = np.abs(data[inside]).max(axis=0)
     diagonal = np.diag(peak)
     significant = peak > SIGNIFICANT * np.sqrt(np.outer(diagonal, diagonal))
     significant &= peak > 0
     parts, names, found, least = [], [], [], [(np.inf, np.inf)]
     for block in _blocks(significant):
-        best = _fit_block(grid, data[:, block][:, :, block], inside, target, orders)
+        best = _fit_block(grid, data[:, block][:, :, block], urgent[:, block][:, :, block], inside, target, orders)
         parts.append((block, *_realise(best.found, best.found.coefficients)))
         names.append(tuple(PLATFORM_DOFS[k] for k in block))
         found.append(best.found.order)
@@ -97,7 +105,7 @@ def fit_radiation(hydro: HydroCoefficients, *, target: float = TARGET, orders=OR
     for block, *_ in parts:
         together[np.ix_(block, block)] = True
     with np.errstate(divide="ignore", invalid="ignore"):
-        error = np.abs(out(omega) - data[inside]).max(axis=0) / peak
+        error = np.abs(out(omega) - retardation_transform(hydro, omega)).max(axis=0) / peak
     object.__setattr__(out, "error", np.where(significant & together, error, np.nan))
     return out
 
@@ -144,7 +152,7 @@ class _Passive:
     after: float
 
 
-def _fit_block(omega, data, inside, target: float, orders) -> _Passive:
+def _fit_block(omega, data, urgent, inside, target: float, orders) -> _Passive:
     """Return the passive fit of G = K / (i omega) of one block (n, m, m) with the lowest order that reaches the target.
 
     Data that are not quite causal or passive themselves may not let any order reach it; then the lowest order within a
@@ -153,8 +161,9 @@ def _fit_block(omega, data, inside, target: float, orders) -> _Passive:
     rows, columns = np.triu_indices(data.shape[1])
     values = data[:, rows, columns]
     peak = np.maximum(np.abs(values[inside]).max(axis=0), 1e-300)
-    weight = _weights(omega, values, inside, peak)
-    part = np.where(inside, omega, 0.0)[:, None] / peak
+    need = np.clip(RESPONSE * urgent[:, rows, columns] * peak, 1.0, MOST) / peak
+    weight = _weights(omega, values, inside, peak, need)
+    part = np.where(inside, omega, 0.0)[:, None] * need
     g = values / (1j * omega[:, None])
     low, high = omega[inside][0], omega[inside][-1]
     scale = np.sqrt(peak[rows == columns])
@@ -170,15 +179,15 @@ def _fit_block(omega, data, inside, target: float, orders) -> _Passive:
     return next(t for t in tried if t.error <= enough)
 
 
-def _weights(omega, values, inside, peak) -> np.ndarray:
+def _weights(omega, values, inside, peak, need) -> np.ndarray:
     """Return weights (2, n, c) of G's real part (added mass) and imaginary part (damping).
 
-    An error of K counts as a fraction of the peak; where the damping is small (at low frequency, where drag-damped
+    An error of K counts as `need` says, at least as a fraction of the peak; where the damping is small (at low frequency, where drag-damped
     modes live) its own error counts for more; beyond the data everything counts little.
     """
     damping = np.abs(values.real) / peak
-    added = np.maximum(omega, omega[inside][0] * 4)[:, None] / peak
-    small = omega[:, None] / peak * (1 + 0.06 / (0.003 + damping))
+    added = np.maximum(omega, omega[inside][0] * 4)[:, None] * need
+    small = added * (1 + 0.06 / (0.003 + damping))
     return np.stack([added, small]) * np.where(inside, 1.0, 0.1)[:, None]
 
 
@@ -274,7 +283,7 @@ def _cutting_planes(free, roots, rows, scale, planes, limit: int = 40):
             share = np.where(i == j, 1.0, 2.0) * u[:, i] * u[:, j]
             cuts.append((share[:, :, None] * rows[dip][:, None, :]).reshape(len(dip), planes.shape[1]))
         planes = np.concatenate(cuts)
-        change, active = _least_change(roots, planes, 1e-5 - planes @ free.T.ravel())
+        change, active = _least_change(roots, planes, 3e-5 - planes @ free.T.ravel())
         z, planes = free + change.T, planes[active]
     return z, planes, (first, low)
 

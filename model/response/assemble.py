@@ -145,13 +145,16 @@ def equilibrium(system: System, *, tolerance: float = 1e-7, limit: int = 50) -> 
         residual[here] += state.force[rows]
         total = stiffness.copy()
         total[np.ix_(here, here)] += state.stiffness[np.ix_(rows, rows)]
-        change = np.linalg.solve(total, residual)
+        try:
+            change = np.linalg.solve(total, residual)
+        except np.linalg.LinAlgError:
+            break
         if np.all(np.abs(change) < tolerance * limits):
             return Equilibrium(offset=offset, mooring=state, stiffness=total, iterations=step)
         offset = offset + change / max(1.0, np.max(np.abs(change) / limits))
     raise ValueError(
-        f"no mean offset after {limit} steps (last {np.round(offset, 3)}); can the moorings hold the mean force "
-        f"{np.round(constant[:3] / 1e3, 1)} kN?"
+        f"no mean offset after {step} steps (last {np.round(offset, 3)}); can the moorings hold the mean force "
+        f"{np.round(constant[:3] / 1e3, 1)} kN, and does the buoyancy carry the weight?"
     )
 
 

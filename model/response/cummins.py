@@ -72,14 +72,15 @@ def added_mass_of_damping(hydro: HydroCoefficients, omega) -> np.ndarray:
     """Return A(omega) minus its infinite-frequency value (k, 6, 6), as the radiation damping implies it, at omega (k) [rad/s].
 
     2/pi times the principal value of the integral of B(x) / (x2 - omega2): Ogilvie's relation without the detour through
-    time. At zero frequency the integral of B(x) / x2.
+    time. Raises ValueError for a frequency that is not above zero (`zero_added_mass_of_damping` is for zero).
     """
     omega = np.asarray(omega, dtype=float)
+    if np.any(omega <= 0):
+        raise ValueError(f"frequencies must be above zero, the lowest is {omega.min():g} rad/s")
     grid, values = _extended(hydro)
     slope = np.diff(values, axis=0) / np.diff(grid)[:, None, None]
     bend = np.concatenate([-slope[:1], slope[:-1] - slope[1:]])
-    w = np.where(omega > 0, omega, 1e-6 * grid[1])
-    w = np.where(np.min(np.abs(grid - w[:, None]), axis=1) < 1e-9 * w, w * (1 + 1e-8), w)[:, None]
+    w = np.where(np.min(np.abs(grid - omega[:, None]), axis=1) < 1e-9 * omega, omega * (1 + 1e-8), omega)[:, None]
     minus, plus = w - grid[:-1], w + grid[:-1]
     weight = (minus * np.log(np.abs(minus)) + plus * np.log(plus)) / (2 * w)
     out = np.tensordot(weight, bend, axes=1)
@@ -89,6 +90,20 @@ def added_mass_of_damping(hydro: HydroCoefficients, omega) -> np.ndarray:
     start = last - slope[-1] * end
     out += np.multiply.outer(ratio, start) + np.multiply.outer(log_sum, slope[-1])
     return 2 / np.pi * (out + np.multiply.outer(_tail_ogilvie(w / end) / end, last))
+
+
+def zero_added_mass_of_damping(hydro: HydroCoefficients) -> np.ndarray:
+    """Return A(0) minus its infinite-frequency value (6, 6): 2/pi times the integral of B(x) / x2.
+
+    Below the data damping is taken as quadratic here. In shallow water heave's is linear, and its added mass has no limit.
+    """
+    grid, values = hydro.omega, hydro.radiation_damping
+    slope = np.diff(values, axis=0) / np.diff(grid)[:, None, None]
+    start = values[:-1] - slope * grid[:-1, None, None]
+    between = np.tensordot(1 / grid[:-1] - 1 / grid[1:], start, axes=1) + np.tensordot(
+        np.log(grid[1:] / grid[:-1]), slope, axes=1
+    )
+    return 2 / np.pi * (values[0] / grid[0] + between + values[-1] / (5 * grid[-1]))
 
 
 def radiation_of_retardation(time, kernel, omega) -> tuple[np.ndarray, np.ndarray]:
@@ -114,12 +129,14 @@ def radiation_consistency(hydro: HydroCoefficients) -> RadiationConsistency:
     reference = infinite if given is None else given
     spread = np.sqrt(np.tensordot(weight, (estimate - infinite) ** 2, axes=1))
     gap = np.sqrt(np.tensordot(weight, (estimate - reference) ** 2, axes=1))
-    change = np.sqrt(np.tensordot(weight, (hydro.added_mass - np.tensordot(weight, hydro.added_mass, axes=1)) ** 2, axes=1))
+    change = np.sqrt(
+        np.tensordot(weight, (hydro.added_mass - np.tensordot(weight, hydro.added_mass, axes=1)) ** 2, axes=1)
+    )
     size = np.sqrt(np.abs(np.outer(np.diag(infinite), np.diag(infinite))))
     matters = change > _SIGNIFICANT * size
     misfit = np.where(matters, gap / np.where(matters, change, 1.0), np.nan)
     return RadiationConsistency(
-        infinite=infinite, spread=spread, zero=reference + added_mass_of_damping(hydro, [0.0])[0], misfit=misfit,
+        infinite=infinite, spread=spread, zero=reference + zero_added_mass_of_damping(hydro), misfit=misfit,
         given_infinite=given, given_zero=hydro.added_mass_zero,
     )  # fmt: skip
 
@@ -129,7 +146,9 @@ def consistency_rows(hydro: HydroCoefficients) -> tuple[tuple[str, str], ...]:
     found = radiation_consistency(hydro)
     rows = []
     for i, j in zip(*np.nonzero(np.isfinite(found.misfit) & (np.tri(6).T > 0)), strict=True):
-        text = f"A and B differ by {100 * found.misfit[i, j]:.1f} % of A's variation; infinite {found.infinite[i, j]:.4g}"
+        text = (
+            f"A and B differ by {100 * found.misfit[i, j]:.1f} % of A's variation; infinite {found.infinite[i, j]:.4g}"
+        )
         if found.given_infinite is not None:
             text += f" (data {found.given_infinite[i, j]:.4g})"
         text += f", zero {found.zero[i, j]:.4g}"
@@ -141,7 +160,15 @@ def consistency_rows(hydro: HydroCoefficients) -> tuple[tuple[str, str], ...]:
 
 
 def free_decay(
-    system: System, mean: Equilibrium, start, *, duration: float, step: float, memory: float = 100.0, rate=None, drag_damping=None
+    system: System,
+    mean: Equilibrium,
+    start,
+    *,
+    duration: float,
+    step: float,
+    memory: float = 100.0,
+    rate=None,
+    drag_damping=None,
 ) -> Decay:
     """Return the motion of the linear model after release, by convolution of velocities with the retardation functions.
 
@@ -186,7 +213,12 @@ def decay_rows(system: System, mean: Equilibrium, modes: Modes, *, cycles: float
         damped = modes.frequency[k] * np.sqrt(1 - modes.damping_ratio[k] ** 2)
         period = 2 * np.pi / damped
         found = mode_decay_period(system, mean, modes, k, cycles=cycles)
-        rows.append((f"decay, {name}", f"period {found:.3f} s in the time domain, {period:.3f} s by the modes ({100 * (found / period - 1):+.2f} %)"))
+        rows.append(
+            (
+                f"decay, {name}",
+                f"period {found:.3f} s in the time domain, {period:.3f} s by the modes ({100 * (found / period - 1):+.2f} %)",
+            )
+        )
     return tuple(rows)
 
 

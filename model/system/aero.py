@@ -38,7 +38,9 @@ class RotorPerformance:
     def __post_init__(self):
         freeze(self, pitch=("p",), tip_speed_ratio=("t",), power=("t", "p"), thrust=("t", "p"))
         if min(len(self.pitch), len(self.tip_speed_ratio)) < 4:
-            raise ValueError(f"a rotor table needs 4 pitch angles and 4 tip speed ratios or more, not {self.power.shape[::-1]}")
+            raise ValueError(
+                f"a rotor table needs 4 pitch angles and 4 tip speed ratios or more, not {self.power.shape[::-1]}"
+            )
         if self.radius <= 0 or self.air_density <= 0:
             raise ValueError(f"radius {self.radius:g} m and air density {self.air_density:g} kg/m3 must be positive")
 
@@ -83,7 +85,7 @@ class RotorDerivatives:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OperatingSchedule:
     """Operating points over wind_speed (n) [m/s]: rotor_speed (n) [rad/s], pitch (n) [rad], aerodynamic power (n) [W] and
-    thrust (n) [N]; rated_wind [m/s], from which the power is held (infinite when it is never reached).
+    thrust (n) [N].
     """
 
     wind_speed: np.ndarray
@@ -91,7 +93,6 @@ class OperatingSchedule:
     pitch: np.ndarray
     power: np.ndarray
     thrust: np.ndarray
-    rated_wind: float
 
     def __post_init__(self):
         freeze(self, wind_speed=("n",), rotor_speed=("n",), pitch=("n",), power=("n",), thrust=("n",))
@@ -147,7 +148,9 @@ def rotor_derivatives(rotor: RotorPerformance, wind_speed: float, rotor_speed: f
     wind_speed [m/s] at the hub; rotor_speed [rad/s]; pitch [rad]. Raises ValueError outside the table.
     """
     if wind_speed <= 0 or rotor_speed <= 0:
-        raise ValueError(f"the rotor turns in wind: wind speed {wind_speed:g} m/s and rotor speed {rotor_speed:g} rad/s must be positive")
+        raise ValueError(
+            f"the rotor turns in wind: wind speed {wind_speed:g} m/s and rotor speed {rotor_speed:g} rad/s must be positive"
+        )
     ratio = rotor_speed * rotor.radius / wind_speed
     _inside("tip speed ratio", ratio, rotor.tip_speed_ratio, 1.0, "")
     _inside("blade pitch", pitch, rotor.pitch, 180 / np.pi, " deg")
@@ -174,8 +177,8 @@ def operating_schedule(
     """Return rotor speed and pitch over wind speeds (n) [m/s]: best tip speed ratio below rated, constant power above.
 
     rated_power [W] of the rotor (electrical power over all efficiencies); rated_speed and minimum_speed [rad/s]; fine_pitch
-    [rad], by default that of the table's largest power coefficient. At the limits of the speed, pitch is the one of most power;
-    once that exceeds the rated power, pitch goes towards feather until power is the rated one. Raises
+    [rad], by default that of the table's largest power coefficient. Pitch is fine below rated, at the minimum speed the one of
+    most power; where that exceeds the rated power, pitch goes towards feather until power is the rated one. Raises
     ValueError when a wind speed leads outside the table or its pitch cannot hold the power.
     """
     wind = np.atleast_1d(np.asarray(wind_speed, dtype=float))
@@ -185,19 +188,22 @@ def operating_schedule(
     for value in (ratio.min(), ratio.max()):
         _inside("tip speed ratio", value, rotor.tip_speed_ratio, 1.0, "")
     pitch = np.linspace(fine, rotor.pitch[-1], 4001)
-    power = rotor.pressure_area * wind[:, None] ** 3 * ratio[:, None] * rotor.torque_spline.ev(ratio[:, None], pitch[None])
-    most = np.argmax(power, axis=1)
-    too_much = power[np.arange(len(wind)), most] > rated_power
-    after = np.arange(len(pitch)) >= most[:, None]
-    first = np.argmax(after & (power <= rated_power), axis=1)
+    power = rotor.pressure_area * wind[:, None] ** 3 * ratio[:, None] * rotor.torque_spline.ev(ratio[:, None], pitch)
+    start = np.where(best * wind / rotor.radius < minimum_speed, np.argmax(power, axis=1), 0)
+    beyond = np.arange(len(pitch)) >= start[:, None]
+    too_much = power[np.arange(len(wind)), start] > rated_power
+    first = np.argmax(beyond & (power <= rated_power), axis=1)
     if np.any(too_much & (first == 0)):
         bad = wind[too_much & (first == 0)][0]
-        raise ValueError(f"no pitch up to {np.degrees(rotor.pitch[-1]):g} deg holds {rated_power / 1e6:g} MW at {bad:g} m/s")
-    chosen = np.where(too_much, _crossing(power, pitch, first, rated_power), pitch[most])
-    thrust = rotor.pressure_area * wind**2 * rotor.thrust_spline.ev(ratio, chosen)
-    power = rotor.pressure_area * wind**3 * ratio * rotor.torque_spline.ev(ratio, chosen)
-    rated = float(wind[too_much].min()) if np.any(too_much) else np.inf
-    return OperatingSchedule(wind_speed=wind, rotor_speed=speed, pitch=chosen, power=power, thrust=thrust, rated_wind=rated)
+        raise ValueError(
+            f"no pitch up to {np.degrees(rotor.pitch[-1]):g} deg holds {rated_power / 1e6:g} MW at {bad:g} m/s"
+        )
+    chosen = np.where(too_much, _crossing(power, pitch, first, rated_power), pitch[start])
+    area, ratio_torque = rotor.pressure_area, ratio * rotor.torque_spline.ev(ratio, chosen)
+    return OperatingSchedule(
+        wind_speed=wind, rotor_speed=speed, pitch=chosen, power=area * wind**3 * ratio_torque,
+        thrust=area * wind**2 * rotor.thrust_spline.ev(ratio, chosen),
+    )  # fmt: skip
 
 
 def spinning_inertia(structure: TurbineStructure) -> float:
@@ -223,7 +229,9 @@ def rotor_frame(structure: TurbineStructure, modes: Sequence[str], deflection) -
     )  # fmt: skip
 
 
-def hub_sensitivity(frame: RotorFrame, rotor: RotorDerivatives, gradient_arm: float, radius: float) -> tuple[np.ndarray, np.ndarray]:
+def hub_sensitivity(
+    frame: RotorFrame, rotor: RotorDerivatives, gradient_arm: float, radius: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Return hub force and moment per wind at the hub (6, 3) and per rotation rate of the nacelle (6, 3), in the nacelle's frame.
 
     Summed over three or more equal blades whose elements answer their own axial and tangential wind: collective axial wind
@@ -286,7 +294,9 @@ def operating_turbine(
     """
     if gradient_arm is None:
         blades = structure.rotor
-        gradient_arm = rotor_sensitivity(blades.diameter, blades.blades, rotor.rotor_speed, rotor.wind_speed).gradient_arm
+        gradient_arm = rotor_sensitivity(
+            blades.diameter, blades.blades, rotor.rotor_speed, rotor.wind_speed
+        ).gradient_arm
     modes, bent = tuple(modes), np.zeros(len(modes))
     for _ in range(4):  # the deflection changes the matrices by its own slope, about 1e-2, so four steps reach rounding
         turbine = _at_operating_point(structure, modes, rotor, bent, gradient_arm)
@@ -351,5 +361,6 @@ def _crossing(power: np.ndarray, pitch: np.ndarray, first: np.ndarray, level: fl
 def _inside(what: str, value: float, grid: np.ndarray, scale: float, unit: str) -> None:
     """Refuse a value outside a table's range."""
     if not grid[0] - 1e-9 <= value <= grid[-1] + 1e-9:
-        raise ValueError(f"{what} {value * scale:.4g} lies outside the rotor table ({grid[0] * scale:g} to {grid[-1] * scale:g}{unit})")
-
+        raise ValueError(
+            f"{what} {value * scale:.4g} lies outside the rotor table ({grid[0] * scale:g} to {grid[-1] * scale:g}{unit})"
+        )

@@ -60,13 +60,22 @@ def pitch_gains(
     not reduce torque.
     """
     if rotor.torque_pitch >= 0:
-        raise ValueError(f"torque does not fall with pitch (dQ/dtheta = {rotor.torque_pitch:.4g} N m/rad): pitch control works above rated wind")
+        raise ValueError(
+            f"torque does not fall with pitch (dQ/dtheta = {rotor.torque_pitch:.4g} N m/rad): pitch control works above rated wind"
+        )
     power = -rotor.torque_pitch
-    return (2 * damping_ratio * frequency * inertia + rotor.torque_speed - slope) / power, frequency**2 * inertia / power
+    return (
+        2 * damping_ratio * frequency * inertia + rotor.torque_speed - slope
+    ) / power, frequency**2 * inertia / power
 
 
 def close_loop(
-    turbine: TurbineMatrices, frame: RotorFrame, rotor: RotorDerivatives, controller: Controller, inertia: float, generator_inertia: float = 0.0
+    turbine: TurbineMatrices,
+    frame: RotorFrame,
+    rotor: RotorDerivatives,
+    controller: Controller,
+    inertia: float,
+    generator_inertia: float = 0.0,
 ) -> TurbineMatrices:
     """Return a turbine with the rotor's azimuth as last degree of freedom and a controller closed around its speed.
 
@@ -78,7 +87,9 @@ def close_loop(
     t, r = frame.thrust_row, frame.torque_row
     q = len(r)
     if len(turbine.dofs) != q:
-        raise ValueError(f"the rotor frame has {q} degrees of freedom, the turbine {len(turbine.dofs)}: use the same tower modes")
+        raise ValueError(
+            f"the rotor frame has {q} degrees of freedom, the turbine {len(turbine.dofs)}: use the same tower modes"
+        )
     spin = np.append(r, 1.0)
     wide_t = np.append(t, 0.0)
     load_pitch = rotor.thrust_pitch * wide_t + rotor.torque_pitch * spin
@@ -119,7 +130,9 @@ def controlled_turbine(
     """
     if gradient_arm is None:
         blades = structure.rotor
-        gradient_arm = rotor_sensitivity(blades.diameter, blades.blades, rotor.rotor_speed, rotor.wind_speed).gradient_arm
+        gradient_arm = rotor_sensitivity(
+            blades.diameter, blades.blades, rotor.rotor_speed, rotor.wind_speed
+        ).gradient_arm
     turbine = operating_turbine(structure, modes, rotor, gradient_arm=gradient_arm)
     frame = rotor_frame(structure, modes, turbine.point[6:])
     return close_loop(turbine, frame, rotor, controller, spinning_inertia(structure), generator_inertia)
@@ -132,7 +145,9 @@ def rotor_impedance(turbine: TurbineMatrices, omega) -> tuple[np.ndarray, np.nda
     controller does to stiffness and damping at each frequency. Raises ValueError for a turbine without it.
     """
     if turbine.dofs[-1] != ROTOR_AZIMUTH:
-        raise ValueError(f"the last degree of freedom is {turbine.dofs[-1]!r}, needs {ROTOR_AZIMUTH!r}: close the loop first")
+        raise ValueError(
+            f"the last degree of freedom is {turbine.dofs[-1]!r}, needs {ROTOR_AZIMUTH!r}: close the loop first"
+        )
     w = np.asarray(omega, dtype=float)[:, None, None]
     z = turbine.stiffness - w**2 * turbine.mass + 1j * w * turbine.damping
     by_own = z[:, :-1, -1] / z[:, -1, -1, None]

@@ -125,7 +125,9 @@ def tower_matrices(tower: Tower, head: RigidBody, gravity: float, elements: int 
     force = -gravity * head.mass * jacobian[2]
     force[2] -= gravity * tower_mass
     elastic[:6], elastic[:, :6] = 0.0, 0.0  # rigid motions do not strain the tower: rounding only
-    return TowerMatrices(height=height, mass=mass, elastic=elastic, geometric=geometric, weight_force=force, tower=alone)
+    return TowerMatrices(
+        height=height, mass=mass, elastic=elastic, geometric=geometric, weight_force=force, tower=alone
+    )
 
 
 def bending_modes(
@@ -147,7 +149,9 @@ def bending_modes(
     and stiffness are not given together, or fewer modes are found.
     """
     if (platform_mass is None) != (platform_stiffness is None):
-        raise ValueError("a floating base needs platform_mass and platform_stiffness; give both, or neither for a clamped base")
+        raise ValueError(
+            "a floating base needs platform_mass and platform_stiffness; give both, or neither for a clamped base"
+        )
     parts = tower_matrices(tower, head, gravity, elements)
     floating = platform_mass is not None
     mass, stiffness = parts.mass.copy(), parts.elastic + parts.geometric
@@ -229,8 +233,12 @@ def _plane_matrices(tower: Tower, rigidity, carried: float, elements: int) -> tu
 
 def _hermite(xi: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return cubic shapes (g, 4), their slope and curvature at xi (g) of an element of length h [m]."""
-    shape = np.stack([1 - 3 * xi**2 + 2 * xi**3, h * (xi - 2 * xi**2 + xi**3), 3 * xi**2 - 2 * xi**3, h * (xi**3 - xi**2)], axis=1)
-    slope = np.stack([(6 * xi**2 - 6 * xi) / h, 1 - 4 * xi + 3 * xi**2, (6 * xi - 6 * xi**2) / h, 3 * xi**2 - 2 * xi], axis=1)
+    shape = np.stack(
+        [1 - 3 * xi**2 + 2 * xi**3, h * (xi - 2 * xi**2 + xi**3), 3 * xi**2 - 2 * xi**3, h * (xi**3 - xi**2)], axis=1
+    )
+    slope = np.stack(
+        [(6 * xi**2 - 6 * xi) / h, 1 - 4 * xi + 3 * xi**2, (6 * xi - 6 * xi**2) / h, 3 * xi**2 - 2 * xi], axis=1
+    )
     curvature = np.stack([(12 * xi - 6) / h**2, (6 * xi - 4) / h, (6 - 12 * xi) / h**2, (6 * xi - 2) / h], axis=1)
     return shape, slope, curvature
 
@@ -247,7 +255,9 @@ def _mass_above(tower: Tower, station: np.ndarray) -> np.ndarray:
 def _tower_mass(tower: Tower, elements: int) -> float:
     """Return the tower's mass [kg] by the same quadrature as its matrices."""
     station = (np.arange(elements)[:, None] + (_GAUSS[0] + 1) / 2) / elements
-    return float(np.sum(np.interp(station, tower.station, tower.mass_density) @ _GAUSS[1]) / 2 * tower.length / elements)
+    return float(
+        np.sum(np.interp(station, tower.station, tower.mass_density) @ _GAUSS[1]) / 2 * tower.length / elements
+    )
 
 
 def _absolute(height: np.ndarray, plane: str, size: int) -> np.ndarray:
@@ -282,7 +292,9 @@ def _head_jacobian(tower: Tower, head: RigidBody, size: int) -> np.ndarray:
     return out
 
 
-def _plane_modes(parts: TowerMatrices, mass, stiffness, plane: str, count: int, floating: bool) -> tuple[np.ndarray, np.ndarray]:
+def _plane_modes(
+    parts: TowerMatrices, mass, stiffness, plane: str, count: int, floating: bool
+) -> tuple[np.ndarray, np.ndarray]:
     """Return frequencies (count) and vectors (d, count) of a plane's bending modes."""
     nodes = parts.plane(plane)
     index = np.concatenate([_IN_PLANE[plane], nodes]) if floating else nodes
@@ -295,7 +307,9 @@ def _plane_modes(parts: TowerMatrices, mass, stiffness, plane: str, count: int, 
     strain = np.einsum("dk,de,ek->k", full, parts.elastic, full)
     bending = np.flatnonzero((values > 0) & (strain > 0.5 * np.abs(values)))[:count]
     if len(bending) < count:
-        raise ValueError(f"only {len(bending)} bending modes in the {plane} plane; the tower buckles under its load or needs more elements")
+        raise ValueError(
+            f"only {len(bending)} bending modes in the {plane} plane; the tower buckles under its load or needs more elements"
+        )
     return np.sqrt(values[bending]), full[:, bending]
 
 
@@ -318,7 +332,9 @@ def _shapes(parts: TowerMatrices, tower: Tower, names, frequency, vectors, clamp
         gravity_coupling=np.zeros((6, len(names))), tower_mass=still[0], clamped=clamped,
     )  # fmt: skip
     basis = _basis(parts, blank)
-    mass, elastic, gravity, alone = (basis.T @ m @ basis for m in (parts.mass, parts.elastic, parts.geometric, parts.tower))
+    mass, elastic, gravity, alone = (
+        basis.T @ m @ basis for m in (parts.mass, parts.elastic, parts.geometric, parts.tower)
+    )
     return replace(
         blank, modal_mass=np.diag(mass)[6:], modal_stiffness=np.diag(elastic)[6:], gravity_stiffness=np.diag(gravity)[6:],
         mass_coupling=mass[:6, 6:], gravity_coupling=gravity[:6, 6:], tower_mass=np.diag(alone)[6:],

@@ -318,7 +318,7 @@ class TestWorkbook:
         found = {(r[0], r[1]): r[column] for r in rows[2:] if r[1]}
         for item in loads:
             k = item.channels.index("PtfmSurge")
-            assert found[item.state.name, "PtfmSurge"] == float(item.statistics.std[k])
+            assert found[item.state.name, "PtfmSurge"] == pytest.approx(item.statistics.std[k], rel=1e-14)
 
     def test_headings_stay_in_view(self, book):
         assert book["RAO operating"].freeze_panes == "B2"

@@ -1,0 +1,1 @@
+"""Design: what it must withstand, what it costs."""
