@@ -140,15 +140,47 @@ def _potential(single, double, condition: np.ndarray, method: str) -> np.ndarray
     Symmetric hulls have block-circulant matrices; a discrete Fourier transform over the copies makes them block-diagonal.
     """
     if isinstance(single, np.ndarray):
-        single, double, shape = single[None], double[None], (1,)
-    else:
-        shape = (2, 2) if single.nb_blocks == 4 else (2,) if single.nb_blocks == 2 else (3,)
-        single, double = (np.array(m.block_diagonalize().blocks) for m in (single, double))
-    axes = tuple(range(len(shape)))
-    known = np.fft.fftn(condition.reshape(*shape, -1, condition.shape[1]), axes=axes).reshape(len(single), -1, condition.shape[1])
+        return _solved(single, double, condition, method)
+    blocks = [np.asarray(m.blocks) for m in (single, double)]
+    if len(blocks[0]) == 6:
+        return _three_fold(*blocks, condition, method)
+    shape = (2, 2) if len(blocks[0]) == 4 else (2,)
+    axes, count = tuple(range(len(shape))), condition.shape[1]
+    known = np.fft.fftn(condition.reshape(*shape, -1, count), axes=axes).reshape(len(blocks[0]), -1, count)
+    diagonal = [np.fft.fftn(b.reshape(*shape, *b.shape[1:]), axes=axes).reshape(b.shape) for b in blocks]
+    found = _solved(*diagonal, known, method)
+    return np.fft.ifftn(found.reshape(*shape, -1, count), axes=axes).reshape(condition.shape)
+
+
+def _solved(single, double, known, method: str) -> np.ndarray:
+    """Return the potential: from sources (indirect) or from Green's second identity (direct)."""
     if method == "direct":
-        found = np.linalg.solve(double, single @ known)
-    else:
-        found = single @ np.linalg.solve(double, known)
-    back = np.fft.ifftn(found.reshape(*shape, -1, condition.shape[1]), axes=axes)
-    return back.reshape(condition.shape)
+        return np.linalg.solve(double, single @ known)
+    return single @ np.linalg.solve(double, known)
+
+
+def _three_fold(single, double, condition, method: str) -> np.ndarray:
+    """Return the potential on a hull with three-fold and mirror symmetry; blocks (6, n, n) are the first columns of the matrices.
+
+    The transform over the three turns leaves a symmetric part, which the mirror splits in two, and two parts that are each
+    other's mirror image, so that one factorisation serves both.
+    """
+    n, count = single.shape[1], condition.shape[1]
+    known = np.fft.fft(condition.reshape(3, 2 * n, count), axis=0)
+    w = np.exp(2j * np.pi / 3)
+
+    def split(m):
+        a, b, c, d, e, f = m
+        p, q = a + c + e, b + d + f
+        turned = np.empty((2 * n, 2 * n), dtype=complex)
+        turned[:n, :n], turned[:n, n:] = a + w.conjugate() * c + w * e, b + w.conjugate() * f + w * d
+        turned[n:, :n], turned[n:, n:] = b + w.conjugate() * d + w * f, a + w.conjugate() * e + w * c
+        return np.stack([p + q, p - q]), turned
+
+    (s0, s1), (d0, d1) = split(single), split(double)
+    first, second = known[0, :n], known[0, n:]
+    even, odd = _solved(s0, d0, np.stack([first + second, first - second]) / 2, method)
+    mirror = np.roll(known[2], n, axis=0)
+    both = _solved(s1, d1, np.concatenate([known[1], mirror], axis=1), method)
+    found = np.stack([np.concatenate([even + odd, even - odd]), both[:, :count], np.roll(both[:, count:], n, axis=0)])
+    return np.fft.ifft(found, axis=0).reshape(condition.shape)

@@ -262,6 +262,8 @@ def _dofs(source: InputFile) -> tuple[str, ...] | None:
             )  # fmt: skip
     if len(set(names)) < len(names):
         raise FormatError(source.path, source.line("DOFs"), expected="each degree of freedom once", found=text)
+    if not set(names) & set(PLATFORM_DOFS):
+        raise FormatError(source.path, source.line("DOFs"), expected="at least one platform motion", found=text)
     return names
 
 

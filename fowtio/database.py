@@ -19,8 +19,9 @@ import xarray as xr
 from fowtio.bem import BemSettings, capytaine_body, extrapolated, load_capytaine, solve_frequency
 from fowtio.errors import FormatError, ModelError
 from fowtio.hulls import semi_mesh
-from model.system.hydro_database import HydroDatabase
+from model.system.hydro_database import HydroDatabase, interpolate, lagrange
 
+DIMENSIONS = ("diameter", "radius", "draft")
 GRAVITY = 9.80665
 FORM = "fowtio hydrodynamic database 1"
 EMBEDDED = "semi_10mw/semi_database.nc"
@@ -28,14 +29,15 @@ EMBEDDED = "semi_10mw/semi_database.nc"
 
 @dataclass(frozen=True, kw_only=True)
 class DatabasePlan:
-    """What is computed: bounds [m] and numbers of Chebyshev points of diameter, radius and draft; water depths [m];
-    scaled frequencies s; headings [rad]; panels (numbers along column, plate top, plate side, bottom; around; central column).
+    """What is computed: bounds [m] and numbers of Chebyshev points of diameter, radius and draft; water depths [m], deep
+    first; numbers of points on which the change from deep water is computed; scaled frequencies s; headings [rad]; panels (numbers along column, plate top, plate side, bottom; around; central column).
     """
 
     diameter: tuple[float, float, int] = (14.0, 20.0, 4)
     radius: tuple[float, float, int] = (30.0, 45.0, 6)
     draft: tuple[float, float, int] = (20.0, 32.0, 5)
-    depths: tuple[float, ...] = (200.0, np.inf, 370.0)
+    depths: tuple[float, ...] = (np.inf, 370.0, 200.0)
+    depth_points: tuple[int, int, int] = (3, 3, 3)
     scaled_frequency: tuple[float, ...] = tuple(np.round(np.r_[np.arange(1, 35) * 0.1, 3.4 + np.arange(1, 9) * 0.15], 3))
     headings_deg: tuple[float, ...] = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
     central_diameter: float = 8.3
@@ -52,10 +54,21 @@ def chebyshev_points(low: float, high: float, count: int) -> np.ndarray:
     return (low + high) / 2 - (high - low) / 2 * np.cos(np.pi * np.arange(count) / (count - 1))
 
 
-def plan_nodes(plan: DatabasePlan) -> np.ndarray:
+def plan_axes(plan: DatabasePlan, counts=None) -> list[np.ndarray]:
+    """Return the Chebyshev points of diameter, radius and draft [m], by default the plan's numbers of them."""
+    bounds = [getattr(plan, name) for name in DIMENSIONS]
+    return [chebyshev_points(low, high, n) for (low, high, _), n in zip(bounds, counts or [b[2] for b in bounds], strict=True)]
+
+
+def plan_nodes(plan: DatabasePlan, counts=None) -> np.ndarray:
     """Return the hulls (k, 3) of a plan: diameter, radius, draft [m], draft running fastest."""
-    axes = [chebyshev_points(*getattr(plan, name)) for name in ("diameter", "radius", "draft")]
-    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    return np.stack(np.meshgrid(*plan_axes(plan, counts), indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def low_rows(plan: DatabasePlan) -> int:
+    """Return how many of the scaled frequencies feel the bottom of the shallowest water on some hull (k h < 5)."""
+    shallow = min(plan.depths)
+    return int(np.sum(np.array(plan.scaled_frequency) ** 2 * shallow / plan.radius[1] <= 5.0))
 
 
 def plan_meshes(plan: DatabasePlan, diameter: float, radius: float, draft: float) -> list:
@@ -67,10 +80,10 @@ def plan_meshes(plan: DatabasePlan, diameter: float, radius: float, draft: float
     return [semi_mesh(diameter, radius, draft, refine=refine, **common) for refine in (1, 2)]
 
 
-def solve_hull(plan: DatabasePlan, hull, depth: float) -> dict[str, np.ndarray]:
-    """Return the packed coefficients of one hull: values (frequency, quantity), see `pack`; deep rows first solved elsewhere.
+def solve_hull(plan: DatabasePlan, hull, depth: float, rows: int | None = None) -> dict[str, np.ndarray]:
+    """Return the packed coefficients of one hull: values (frequency, quantity), see `pack`, for the first `rows` frequencies.
 
-    In a finite depth only the frequencies that feel the bottom (k h < 5) are solved; the others are not a number.
+    All rows also give the added mass at zero (in deep water) and infinite frequency.
     """
     settings = BemSettings(
         depth=depth, density=plan.density, gravity=GRAVITY, method=plan.method,
@@ -78,15 +91,9 @@ def solve_hull(plan: DatabasePlan, hull, depth: float) -> dict[str, np.ndarray]:
     )  # fmt: skip
     bodies = [capytaine_body(m) for m in plan_meshes(plan, *hull)]
     solver = load_capytaine().BEMSolver(method=plan.method)
-    omega = np.array(plan.scaled_frequency) * np.sqrt(GRAVITY / hull[1])
-    rows = []
-    for w in omega:
-        if np.isfinite(depth) and w**2 * depth / GRAVITY > 5.0:
-            rows.append(np.full(10 + 12 * len(plan.headings_deg), np.nan))
-            continue
-        rows.append(pack(*(solve_frequency(b, w, settings, solver) for b in bodies)))
-    out = {"values": np.array(rows), "omega": omega}
-    if not np.isfinite(depth):
+    omega = np.array(plan.scaled_frequency[:rows]) * np.sqrt(GRAVITY / hull[1])
+    out = {"values": np.array([pack(*(solve_frequency(b, w, settings, solver) for b in bodies)) for w in omega]), "omega": omega}
+    if rows is None:
         for name, w in (("zero", 0.0), ("infinite", np.inf)):
             coarse, fine = (solve_frequency(b, w, settings, solver) for b in bodies)
             out[name] = reduced(extrapolated(coarse["added_mass"], fine["added_mass"]))
@@ -109,18 +116,28 @@ def reduced(matrix: np.ndarray) -> np.ndarray:
     ])  # fmt: skip
 
 
-def tasks(plan: DatabasePlan) -> list[tuple[int, float]]:
-    """Return (hull number, depth) of everything to solve, deep water first."""
-    order = sorted(plan.depths, key=lambda h: (np.isfinite(h), h))
-    return [(k, h) for h in order for k in range(len(plan_nodes(plan)))]
+def tasks(plan: DatabasePlan) -> list[tuple[str, int, float]]:
+    """Return everything to solve: ("hull", number, inf) on the grid, then ("depth", number, depth) on the coarser one."""
+    finite = len(plan.depths) > 1
+    depth = [("depth", k, h) for h in plan.depths for k in range(int(np.prod(plan.depth_points)) * finite)]
+    return [("hull", k, np.inf) for k in range(len(plan_nodes(plan)))] + depth
 
 
-def run_task(plan: DatabasePlan, number: int, depth: float, folder: str | Path) -> Path:
+def task_path(folder: str | Path, task: tuple[str, int, float]) -> Path:
+    """Return the file of one task's results."""
+    kind, number, depth = task
+    return Path(folder) / f"{kind}{number:04d}_depth{depth:g}.npz"
+
+
+def run_task(plan: DatabasePlan, task: tuple[str, int, float], folder: str | Path) -> Path:
     """Solve one hull in one depth and keep it in the folder; a result that is already there is left alone."""
-    path = Path(folder) / f"hull{number:04d}_depth{depth:g}.npz"
+    path, (kind, number, depth) = task_path(folder, task), task
     if path.exists():
         return path
-    found = solve_hull(plan, plan_nodes(plan)[number], depth)
+    if kind == "hull":
+        found = solve_hull(plan, plan_nodes(plan)[number], depth)
+    else:
+        found = solve_hull(plan, plan_nodes(plan, plan.depth_points)[number], depth, low_rows(plan))
     part = path.with_suffix(f".{os.getpid()}.tmp")
     with open(part, "wb") as file:
         np.savez(file, **found)
@@ -147,9 +164,9 @@ def solve_plan(plan: DatabasePlan, folder: str | Path, *, jobs: int = 2, dask: s
     if mark.exists() and json.loads(mark.read_text())["fingerprint"] != fingerprint(plan):
         raise ModelError(f"{folder} holds results of another plan; give another folder or remove it")
     mark.write_text(text + "\n", encoding="utf-8")
-    todo = [(k, h) for k, h in tasks(plan) if not (folder / f"hull{k:04d}_depth{h:g}.npz").exists()]
+    todo = [task for task in tasks(plan) if not task_path(folder, task).exists()]
     done = len(tasks(plan)) - len(todo)
-    work = (delayed(run_task)(plan, k, h, str(folder)) for k, h in todo)
+    work = (delayed(run_task)(plan, task, str(folder)) for task in todo)
     for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(variable, "1")
     if progress:
@@ -178,30 +195,38 @@ def _on_dask(work, address: str) -> None:
 def collect(plan: DatabasePlan, folder: str | Path) -> HydroDatabase:
     """Return the database of a solved plan; raises ModelError naming how much is missing."""
     folder, hulls = Path(folder), plan_nodes(plan)
-    missing = [1 for k, h in tasks(plan) if not (folder / f"hull{k:04d}_depth{h:g}.npz").exists()]
+    missing = [task for task in tasks(plan) if not task_path(folder, task).exists()]
     if missing:
         raise ModelError(f"{len(missing)} of {len(tasks(plan))} solutions are missing in {folder}; run fowtio database build again")
-    headings = np.radians(plan.headings_deg)
-    depths = sorted(plan.depths, reverse=True)
-    values, infinite = [], []
-    for depth in depths:
-        rows = []
-        for k, hull in enumerate(hulls):
-            deep = dict(np.load(folder / f"hull{k:04d}_depthinf.npz"))
-            here = dict(np.load(folder / f"hull{k:04d}_depth{depth:g}.npz"))["values"]
-            here = np.where(np.isnan(here), deep["values"], here)
-            rows.append(np.concatenate([_still_row(plan, hull, deep["zero"], len(headings))[None], here]))
-            if depth == depths[0]:
-                infinite.append(deep["infinite"])
-        values.append(rows)
-    axes = [chebyshev_points(*getattr(plan, name)) for name in ("diameter", "radius", "draft")]
-    shape = tuple(len(a) for a in axes)
-    values = np.array(values, dtype=np.float32)
+    headings, axes = np.radians(plan.headings_deg), plan_axes(plan)
+    solved = [dict(np.load(task_path(folder, ("hull", k, np.inf)))) for k in range(len(hulls))]
+    rows = [np.concatenate([_still_row(plan, h, d["zero"], len(headings))[None], d["values"]]) for h, d in zip(hulls, solved, strict=True)]
+    shape, deep = tuple(len(a) for a in axes), np.array(rows)
+    values = [deep]
+    for depth in plan.depths[1:]:
+        here = deep.copy()
+        here[:, 1 : 1 + low_rows(plan)] += _change(plan, folder, depth)
+        values.append(here)
+    values = np.array(values).reshape(len(values), *shape, *deep.shape[1:])
+    infinite = np.array([d["infinite"] for d in solved]).reshape(*shape, 5)
     return HydroDatabase(
-        diameter=axes[0], radius=axes[1], draft=axes[2], inverse_depth=1 / np.array(depths), heading=headings,
-        scaled_frequency=np.concatenate([[0.0], plan.scaled_frequency]), values=values.reshape(len(depths), *shape, *values.shape[2:]),
-        infinite=np.array(infinite, dtype=np.float32).reshape(*shape, 5), density=plan.density, gravity=GRAVITY,
+        diameter=axes[0], radius=axes[1], draft=axes[2], inverse_depth=1 / np.array(plan.depths), heading=headings,
+        scaled_frequency=np.concatenate([[0.0], plan.scaled_frequency]), values=values, infinite=infinite, density=plan.density,
+        gravity=GRAVITY,
     )  # fmt: skip
+
+
+def _change(plan: DatabasePlan, folder: Path, depth: float) -> np.ndarray:
+    """Return the change of the low rows (hull, row, quantity) from deep water to a depth, from the coarser grid of hulls."""
+    def stack(h):
+        count = int(np.prod(plan.depth_points))
+        return np.array([np.load(task_path(folder, ("depth", k, h)))["values"] for k in range(count)])
+
+    change = stack(depth) - stack(plan.depths[0])
+    coarse, fine = plan_axes(plan, plan.depth_points), plan_axes(plan)
+    weights = [lagrange(c, f)[0] for c, f in zip(coarse, fine, strict=True)]
+    change = np.einsum("ai,bj,ck,ijk...->abc...", *weights, change.reshape(*plan.depth_points, *change.shape[1:]))
+    return change.reshape(-1, *change.shape[3:])
 
 
 def _still_row(plan: DatabasePlan, hull, zero: np.ndarray, headings: int) -> np.ndarray:
@@ -288,3 +313,46 @@ def checksum(data: xr.Dataset) -> str:
     for name in sorted(map(str, data.variables)):
         digest.update(np.ascontiguousarray(data[name].values).tobytes())
     return digest.hexdigest()
+
+
+def held_out(database: HydroDatabase, plan: DatabasePlan, designs, *, depth: float = np.inf, jobs: int = 2, folder: str | Path | None = None) -> list[dict]:
+    """Return the errors of interpolated coefficients on hulls (N, 3) that the database has not seen, solved afresh.
+
+    For every hull the largest difference over the frequencies (and headings), as a share of the largest value of that
+    coefficient on the hull, for the five added masses, the five dampings and the six excitations; both curves besides.
+    """
+    from joblib import Parallel, delayed
+
+    designs = np.atleast_2d(designs)
+    rows = None if np.isinf(depth) else low_rows(plan)
+    work = (delayed(_solved_before)(plan, tuple(map(float, hull)), depth, rows, folder) for hull in designs)
+    return [_errors(database, plan, hull, found, depth) for hull, found in zip(designs, Parallel(n_jobs=jobs)(work), strict=True)]
+
+
+def _solved_before(plan, hull, depth, rows, folder):
+    """Solve a hull, or take it from the folder where it was solved before."""
+    if folder is None:
+        return solve_hull(plan, hull, depth, rows)
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    path = Path(folder) / ("test_" + "_".join(f"{x:.4f}" for x in hull) + f"_{depth:g}.npz")
+    if not path.exists():
+        np.savez(path, **solve_hull(plan, hull, depth, rows))
+    return dict(np.load(path))
+
+
+def _errors(database, plan, hull, found, depth) -> dict:
+    m, omega, values = len(plan.headings_deg), found["omega"], found["values"]
+    batch = interpolate(database, hull, omega, np.radians(plan.headings_deg), depth=depth)
+    force = (values[:, 10 : 10 + 6 * m] + 1j * values[:, 10 + 6 * m :]).reshape(-1, m, 6)
+    guess = np.moveaxis(batch.excitation[0], 0, 1)
+    added, damping = (np.array([reduced(x) for x in a[0]]) for a in (batch.added_mass, batch.radiation_damping))
+
+    def share(a, b, axes):
+        return np.abs(a - b).max(axis=axes) / np.abs(b).max(axis=axes)
+
+    return {
+        "hull": tuple(map(float, hull)), "depth": depth, "omega": omega,
+        "added_mass": share(added, values[:, :5], 0), "radiation_damping": share(damping, values[:, 5:10], 0),
+        "excitation": share(guess, force, (0, 1)),
+        "curves": {"solved": (values[:, :5], values[:, 5:10], force), "interpolated": (added, damping, guess)},
+    }  # fmt: skip

@@ -69,7 +69,9 @@ def simple_body():
             wind_force=line if wind_force is None else wind_force,
         )  # fmt: skip
         part = contribution("body", "test", mass=mass, damping=damping, stiffness=stiffness, force=force)
-        hydro = _flat_hydro(zero if added_mass is None else added_mass, line if excitation is None else excitation, depth)
+        hydro = _flat_hydro(
+            zero if added_mass is None else added_mass, line if excitation is None else excitation, depth
+        )
         return assemble(dofs, turbine, [part], hydro, no_drag() if drag is None else drag, mooring, quadratic_damping)
 
     return make
@@ -80,7 +82,9 @@ def plate():
     """Return a maker of one drag element: an end plate (axial) or a strip across its axis, factor K [kg/m]."""
 
     def make(factor, *, position=(0.0, 0.0, 0.0), axis=(0.0, 0.0, 1.0), axial=True):
-        return DragMembers(position=[position], axis=[axis], factor=[factor], axial=[float(axial)], diameter=[1.0], length=[1.0])
+        return DragMembers(
+            position=[position], axis=[axis], factor=[factor], axial=[float(axial)], diameter=[1.0], length=[1.0]
+        )
 
     return make
 

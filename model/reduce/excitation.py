@@ -18,8 +18,8 @@ from model.response.solve import Response
 from model.system.hydro import HydroCoefficients, excitation_at
 
 TARGET = 0.01
-SHIFTS = (12.0, 15.0, 18.0, 21.0)
-ORDERS = range(36, 64, 4)
+SHIFTS = (12.0, 16.0, 20.0)
+ORDERS = range(36, 62, 8)
 LOW = 0.03  # rad/s
 
 

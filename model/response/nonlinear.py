@@ -1,4 +1,4 @@
-"""The same model with the drag force itself instead of its linearisation, for one wave record: between time and frequency.
+"""The same model with the drag force itself instead of its linearisation, for wave records: between time and frequency.
 
 Everything but drag is linear and is solved in the frequency domain; drag is evaluated in time on the record's samples
 and brought back by Fourier transform, until both agree (alternating frequency-time harmonic balance; Cameron and
@@ -19,6 +19,24 @@ from model.system.drag import element_motion
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class RecordModel:
+    """A model made ready for records of `samples` values every `step` [s]: omega (k); receptance (k, q, q) with the linearised
+    drag damping (r, r) of the platform motions kept; force (k, q) per metre; water velocity (2 s, k) per metre along the
+    directions that the drag elements resist, motion (2 s, r) of the elements.
+    """
+
+    system: System
+    samples: int
+    step: float
+    omega: np.ndarray
+    receptance: np.ndarray
+    damping: np.ndarray
+    force: np.ndarray
+    water: np.ndarray
+    motion: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RecordResponse:
     """Response to one wave record: amplitudes (k, q) complex of the degrees of freedom on omega (k) [rad/s], of a record of
     `samples` values every `step` [s]; iterations that the drag force took, and the relative change of the last.
@@ -32,54 +50,85 @@ class RecordResponse:
     change: float
 
 
-def record_response(
-    system: System,
-    mean: Equilibrium,
-    elevation,
-    step: float,
-    drive: Excitation,
-    *,
-    highest: float = 2 * np.pi * 0.6,
+def record_model(
+    system: System, mean: Equilibrium, samples: int, step: float, heading: float, drag_damping, *, highest: float = 2 * np.pi * 0.6,
     low_frequency: str = "hold",
-    tolerance: float = 1e-4,
-    limit: int = 60,
+) -> RecordModel:  # fmt: skip
+    """Return a model made ready for wave records of a length, along one heading [rad].
+
+    drag_damping (6, 6) is a linearised one that speeds up the iteration; highest [rad/s] above which nothing is solved.
+    """
+    omega = 2 * np.pi * np.fft.rfftfreq(samples, step)
+    omega = omega[1 : int(np.searchsorted(omega, highest))]
+    grid = prepare(system, omega, [heading], low_frequency=low_frequency)
+    rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
+    here = system.platform
+    damping = np.asarray(drag_damping)[np.ix_(rows, rows)]
+    stiffness = _dynamic_stiffness(system, mean, grid, here, rows)
+    stiffness[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * damping
+    force = np.zeros((len(omega), len(system.dofs)), dtype=complex)
+    force[:, here] = grid.wave_force[0][:, rows]
+    motion = element_motion(system.drag, grid.directions).reshape(-1, 6)
+    return RecordModel(
+        system=system, samples=samples, step=step, omega=omega, receptance=np.linalg.inv(stiffness), damping=damping, force=force,
+        water=grid.water[0], motion=motion[:, rows],
+    )  # fmt: skip
+
+
+def solve_record(
+    ready: RecordModel, elevation, *, start=None, tolerance: float = 1e-4, limit: int = 60
 ) -> RecordResponse:
     """Return the steady response to a periodic record of wave elevation with quadratic drag as it is.
 
-    elevation (t) [m] every step [s]; drive holds the heading and a spectrum for the linearisation that the iteration
-    starts from; highest [rad/s] above which nothing is solved. Raises ValueError when the iteration does not converge.
+    elevation (t) [m], as many values as the model was made ready for; start, amplitudes (k, q) to begin with. Raises ValueError
+    when the iteration does not converge.
     """
     elevation = np.asarray(elevation, dtype=float)
     count = len(elevation)
-    omega = 2 * np.pi * np.fft.rfftfreq(count, step)
-    keep = slice(1, int(np.searchsorted(omega, highest)))
-    waves, omega = np.fft.rfft(elevation)[keep], omega[keep]
-    grid = prepare(system, omega, drive.heading[:1], low_frequency=low_frequency)
-    rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
-    here = system.platform
-    start = solve(system, mean, drive, grid=prepare(system, drive.omega, drive.heading, low_frequency=low_frequency))
-    damping = start.drag_damping[np.ix_(rows, rows)]
-    stiffness = _dynamic_stiffness(system, mean, grid, here, rows)
-    stiffness[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * damping
-    inverse = np.linalg.inv(stiffness)
-    motion = element_motion(system.drag, grid.directions).reshape(-1, 6)[:, rows]
-    force = np.zeros((len(omega), len(system.dofs)), dtype=complex)
-    force[:, here] = (grid.wave_force[0] * waves[:, None])[:, rows]
-    water = _to_time((grid.water[0] * waves).T, keep, count)
-    amplitude, change = np.einsum("kij,kj->ki", inverse, force), np.inf
+    if count != ready.samples:
+        raise ValueError(f"the model was made ready for {ready.samples} samples, the record has {count}")
+    keep, omega, here = slice(1, 1 + len(ready.omega)), ready.omega, ready.system.platform
+    waves = np.fft.rfft(elevation)[keep]
+    force = ready.force * waves[:, None]
+    water = _to_time((ready.water * waves).T, keep, count)
+    amplitude = np.einsum("kij,kj->ki", ready.receptance, force) if start is None else start
+    change = np.inf
     for iterations in range(1, limit + 1):
         rate = 1j * omega[:, None] * amplitude[:, here]
-        drag = _drag_force(system, motion, water - _to_time(rate, keep, count) @ motion.T)
+        drag = _drag_force(ready.system, ready.motion, water - _to_time(rate, keep, count) @ ready.motion.T)
         total = force.copy()
-        total[:, here] += np.fft.rfft(drag, axis=0)[keep] + rate @ damping.T
-        new = np.einsum("kij,kj->ki", inverse, total)
-        change = float(np.max(np.linalg.norm(new - amplitude, axis=0) / np.maximum(np.linalg.norm(new, axis=0), 1e-9 * np.linalg.norm(new))))
+        total[:, here] += np.fft.rfft(drag, axis=0)[keep] + rate @ ready.damping.T
+        new = np.einsum("kij,kj->ki", ready.receptance, total)
+        size = np.linalg.norm(new, axis=0)
+        change = float(np.max(np.linalg.norm(new - amplitude, axis=0) / np.maximum(size, 1e-9 * np.linalg.norm(new))))
         amplitude = new
         if change < tolerance:
             break
     else:
         raise ValueError(f"drag did not converge on the wave record: change {change:.2g} after {limit} iterations")
-    return RecordResponse(omega=omega, amplitude=amplitude, samples=count, step=step, iterations=iterations, change=change)
+    return RecordResponse(
+        omega=omega, amplitude=amplitude, samples=count, step=ready.step, iterations=iterations, change=change
+    )
+
+
+def record_response(
+    system: System, mean: Equilibrium, elevation, step: float, drive: Excitation, *, highest: float = 2 * np.pi * 0.6,
+    low_frequency: str = "hold", tolerance: float = 1e-4, limit: int = 60,
+) -> RecordResponse:  # fmt: skip
+    """Return the steady response to one periodic record of wave elevation with quadratic drag as it is.
+
+    elevation (t) [m] every step [s]; drive holds the heading and a spectrum for the linearisation that the iteration
+    starts from; highest [rad/s] above which nothing is solved. For several records of one length, `record_model` and
+    `solve_record` are faster. Raises ValueError when the iteration does not converge.
+    """
+    first = solve(
+        system, mean, drive, grid=prepare(system, drive.omega, drive.heading, low_frequency=low_frequency)
+    )
+    ready = record_model(
+        system, mean, len(elevation), step, float(drive.heading[0]), first.drag_damping, highest=highest,
+        low_frequency=low_frequency,
+    )  # fmt: skip
+    return solve_record(ready, elevation, tolerance=tolerance, limit=limit)
 
 
 def record_channels(outputs: LinearOutputs, response: RecordResponse, names=None) -> np.ndarray:

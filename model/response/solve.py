@@ -154,7 +154,7 @@ def solve(
     """
     omega = drive.omega
     grid = grid or prepare(system, omega, drive.heading)
-    here = np.array(system.platform, dtype=int)
+    here = system.platform
     rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
     dynamic = _dynamic_stiffness(system, mean, grid, here, rows)
     m, n, q = len(drive.heading), len(omega), len(system.dofs)
@@ -170,7 +170,7 @@ def solve(
     else:
         solution = np.linalg.solve(dynamic, force)
     full = dynamic.copy()
-    full[:, here[:, None], here] += 1j * omega[:, None, None] * damping[np.ix_(rows, rows)]
+    full[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * damping[np.ix_(rows, rows)]
     gradients = np.moveaxis(solution[:, :, m + 1 :], -1, 0) if winds == 3 else np.zeros((2, n, q), dtype=complex)
     return Response(
         dofs=system.dofs, to_wave=np.moveaxis(solution[:, :, :m], -1, 0), to_wind=solution[:, :, m], to_gradients=gradients, excitation=drive,
@@ -216,7 +216,7 @@ def _problem(system: System, drive: Excitation, grid: Grid, drag: str, rows) -> 
 
 def solve_with_drag(problem: DragProblem, dynamic, damping, force, wave_force, here) -> np.ndarray:
     """Return the motions (s, n, q, r) with drag damping (s, 6, 6) and the waves' drag force (s, m, 6, n)."""
-    s, places, rows = len(damping), here, problem.rows
+    s, places, rows = len(damping), np.asarray(here), problem.rows
     z = np.repeat(dynamic[None], s, axis=0)
     z[:, :, places[:, None], places] += (1j * problem.omega)[:, None, None] * damping[:, None][..., np.ix_(rows, rows)[0], rows]
     f = np.repeat(force, s, axis=0) if len(force) != s else force.copy()
@@ -231,7 +231,7 @@ def _dynamic_stiffness(system: System, mean: Equilibrium, grid: Grid, here, rows
     out = (mean.stiffness - w**2 * system.mass) + 1j * (w * system.damping)
     inner = np.ix_(rows, rows)
     radiation = -(w**2) * grid.added_mass + 1j * w * grid.radiation_damping
-    out[:, here[:, None], here] += radiation[(slice(None), *inner)]
+    out[:, np.asarray(here)[:, None], here] += radiation[(slice(None), *inner)]
     return out
 
 

@@ -299,18 +299,38 @@ def _plane_modes(
     nodes = parts.plane(plane)
     index = np.concatenate([_IN_PLANE[plane], nodes]) if floating else nodes
     here = np.ix_(index, index)
-    k = (stiffness[here] + stiffness[here].T) / 2
-    last = min(len(index), count + 6) - 1
-    values, vectors = eigh(k, mass[here], subset_by_index=[0, last])
+    values, vectors = _lowest(mass[here], (stiffness[here] + stiffness[here].T) / 2, _parabola(parts, plane), count + 6)
     full = np.zeros((len(mass), len(values)))
     full[index] = vectors
     strain = np.einsum("dk,de,ek->k", full, parts.elastic, full)
-    bending = np.flatnonzero((values > 0) & (strain > 0.5 * np.abs(values)))[:count]
+    if not floating and values[0] <= 0:
+        raise ValueError(f"the tower buckles in the {plane} plane under the weight it carries")
+    bending = np.flatnonzero((values > 0) & (strain > 0.5 * values))[:count]
     if len(bending) < count:
-        raise ValueError(
-            f"only {len(bending)} bending modes in the {plane} plane; the tower buckles under its load or needs more elements"
-        )
+        raise ValueError(f"only {len(bending)} bending modes in the {plane} plane; more elements have more")
     return np.sqrt(values[bending]), full[:, bending]
+
+
+def _lowest(mass, stiffness, shift: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lowest eigenvalues (k) and vectors (d, k), of unit modal mass, of stiffness against mass.
+
+    As the largest of mass against stiffness plus shifted mass: that keeps the low modes' digits, which the highest modes
+    would drown. The shift is the first mode's own size, so that free and slightly unstable motions are no trouble.
+    """
+    size = len(mass)
+    try:
+        values, vectors = eigh(mass, stiffness + shift * mass, subset_by_index=[max(0, size - count), size - 1])
+    except np.linalg.LinAlgError:
+        raise ValueError("the tower buckles under the weight it carries, or its platform capsizes") from None
+    return 1 / values[::-1] - shift, vectors[:, ::-1] / np.sqrt(values[::-1])
+
+
+def _parabola(parts: TowerMatrices, plane: str) -> float:
+    """Return the squared frequency [(rad/s)2] of a tower bent as a parabola, without the weight: the size of the first mode's."""
+    bent, up = np.zeros(len(parts.mass)), parts.height[1:] - parts.height[0]
+    nodes = parts.plane(plane)
+    bent[nodes[::2]], bent[nodes[1::2]] = up**2, 2 * up
+    return float((bent @ parts.elastic @ bent) / (bent @ parts.mass @ bent))
 
 
 def _shapes(parts: TowerMatrices, tower: Tower, names, frequency, vectors, clamped: bool) -> TowerShapes:

@@ -82,7 +82,9 @@ def test_a_folder_in_place_of_a_study(cli, tmp_path):
     assert "internal error" not in found.err
 
 
-@pytest.mark.parametrize("name", ["ElastoDyn.dat", "HydroDyn.dat", "SeaState.dat", "MAP.dat", "ElastoDyn_Tower.dat", "ElastoDyn_Blade.dat"])
+@pytest.mark.parametrize(
+    "name", ["ElastoDyn.dat", "HydroDyn.dat", "SeaState.dat", "MAP.dat", "ElastoDyn_Tower.dat", "ElastoDyn_Blade.dat"]
+)
 def test_a_file_that_the_deck_names_is_missing(trial, refused, name):
     study = trial()
     (study.parent / "input" / name).unlink()
@@ -176,6 +178,7 @@ def test_several_problems_are_all_reported(trial, cli):
         ("100              NFreq", "many             NFreq", ("NFreq", "many")),
         ("sea           0.0 ", "sea           11.0", ("11", "no linearisation")),
         ("7                DOFs", '"surge surge"    DOFs', ("once",)),
+        ("7                DOFs", '"tower_fa1"      DOFs', ("at least one platform motion",)),
     ],
 )
 def test_values_that_cannot_be(trial, refused, old, new, words):

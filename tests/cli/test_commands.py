@@ -25,7 +25,9 @@ def document(result):
 
 def program(*arguments, **options):
     """Run the command line as a program of its own."""
-    return subprocess.run([sys.executable, "-m", "fowtio", *map(str, arguments)], capture_output=True, text=True, timeout=60, **options)
+    return subprocess.run(
+        [sys.executable, "-m", "fowtio", *map(str, arguments)], capture_output=True, text=True, timeout=60, **options
+    )
 
 
 # --- help and usage --------------------------------------------------------------------------------------------------
@@ -55,7 +57,8 @@ def test_every_command_explains_itself(cli, command):
 
 
 @pytest.mark.parametrize(
-    "arguments", [("frobnicate",), ("run",), ("run", "a.fowt", "--frobnicate"), ("modes", "a.fowt", "--wind-speed", "fast")]
+    "arguments",
+    [("frobnicate",), ("run",), ("run", "a.fowt", "--frobnicate"), ("modes", "a.fowt", "--wind-speed", "fast")],
 )
 def test_wrong_usage_exits_with_two(cli, arguments):
     found = cli(*arguments)
@@ -148,11 +151,26 @@ def test_run_json(finished, oc4_loads):
     assert found["statistics"] == found["states"]["white_noise"]["statistics"]
     assert np.shape(found["mooring"]["stiffness"]) == (6, 6)
     assert len(found["mooring"]["fairlead_tension"]) == 3
-    for name in ("PtfmSurge", "PtfmHeave", "PtfmPitch", "TTDspFA", "TwrBsFxt", "TwrBsMyt", "NcIMUTAxs", "T[1]", "T[2]", "T[3]"):
+    for name in (
+        "PtfmSurge",
+        "PtfmHeave",
+        "PtfmPitch",
+        "TTDspFA",
+        "TwrBsFxt",
+        "TwrBsMyt",
+        "NcIMUTAxs",
+        "T[1]",
+        "T[2]",
+        "T[3]",
+    ):
         item = oc4_loads["white_noise"]
-        assert found["statistics"][name]["std"] == pytest.approx(item.statistics.std[item.channels.index(name)], rel=1e-6)
+        assert found["statistics"][name]["std"] == pytest.approx(
+            item.statistics.std[item.channels.index(name)], rel=1e-6
+        )
         assert found["units"]["statistics"][name]
-    assert found["states"]["operating"]["mean_offset"]["surge"] == pytest.approx(8.2782, rel=0.015)  # OpenFAST 5.0 reference run
+    assert found["states"]["operating"]["mean_offset"]["surge"] == pytest.approx(
+        8.2782, rel=0.015
+    )  # OpenFAST 5.0 reference run
     assert set(found["mean_offset"]) == set(found["units"]["mean_offset"])
 
 
@@ -216,7 +234,9 @@ def test_default_folder_is_beside_the_user(cli, trial, tmp_path, monkeypatch):
 
 def test_run_of_a_deck_alone(cli, trial):
     study = trial()
-    found = document(cli("run", study.parent / "input" / "oc4.fst", "--json", "--no-figures", "-o", study.parent / "out"))
+    found = document(
+        cli("run", study.parent / "input" / "oc4.fst", "--json", "--no-figures", "-o", study.parent / "out")
+    )
     assert list(found["states"]) == ["deck"]
 
 
@@ -240,11 +260,19 @@ def test_check_changes_nothing(cli, trial):
 def test_check_says_who_contributes_what(cli, oc4_folder):
     found = cli("check", oc4_folder / "oc4.fowt")
     assert found.code == 0
-    for word in ("turbine on its tower", "platform mass and weight", "hydrostatics", "moorings", "infinite-frequency added mass"):
+    for word in (
+        "turbine on its tower",
+        "platform mass and weight",
+        "hydrostatics",
+        "moorings",
+        "infinite-frequency added mass",
+    ):
         assert word in found.out
 
 
-@pytest.mark.parametrize("name", ["input/MAP.dat", "input/hydro/oc4.1", "linearisation/parked/main.1.lin", "reference/wn7_s1.outb"])
+@pytest.mark.parametrize(
+    "name", ["input/MAP.dat", "input/hydro/oc4.1", "linearisation/parked/main.1.lin", "reference/wn7_s1.outb"]
+)
 def test_check_of_a_single_file(cli, oc4_folder, name):
     found = cli("check", oc4_folder / name)
     assert found.code == 0, found.err

@@ -58,7 +58,9 @@ def test_light_surge_body_follows_long_waves(oc4):
     but still feels the moorings there by (0.055/0.15)^2 = 13 %, hence 20 %.
     """
     point = oc4.at(0.0)
-    response = solve(point.system, point.mean, excitation(np.array([0.15, 0.1501]), SeaState(kind="still"), None), drag="none")
+    response = solve(
+        point.system, point.mean, excitation(np.array([0.15, 0.1501]), SeaState(kind="still"), None), drag="none"
+    )
     surge = response.to_wave[0, 0, 0]
     k = wavenumber(np.array([0.15]), 200.0, 9.80665)[0]
     assert surge / (-1j / np.tanh(k * 200.0)) == pytest.approx(1.0, abs=0.2)
@@ -70,7 +72,9 @@ def test_heave_follows_long_waves_in_phase(oc4):
     At 0.1 rad/s, 0.27 of the natural frequency: dynamic amplification 1/(1 - 0.27^2) = 1.08 less the wave's decay with draught, hence 10 %.
     """
     point = oc4.at(0.0)
-    response = solve(point.system, point.mean, excitation(np.array([0.1, 0.1001]), SeaState(kind="still"), None), drag="none")
+    response = solve(
+        point.system, point.mean, excitation(np.array([0.1, 0.1001]), SeaState(kind="still"), None), drag="none"
+    )
     assert response.to_wave[0, 0, 2] == pytest.approx(1.0, abs=0.1)
 
 

@@ -64,8 +64,12 @@ def _system(parts, hydro=None):
     from model.system.turbine import TurbineMatrices
 
     zero, line = np.zeros((6, 6)), np.zeros(6)
-    none = TurbineMatrices(dofs=PLATFORM_DOFS, mass=zero, damping=zero, stiffness=zero, force=line, point=line, wind_force=line)
-    hydro = hydro or HydroCoefficients(omega=[0.1, 1.0], added_mass=np.zeros((2, 6, 6)), radiation_damping=np.zeros((2, 6, 6)))
+    none = TurbineMatrices(
+        dofs=PLATFORM_DOFS, mass=zero, damping=zero, stiffness=zero, force=line, point=line, wind_force=line
+    )
+    hydro = hydro or HydroCoefficients(
+        omega=[0.1, 1.0], added_mass=np.zeros((2, 6, 6)), radiation_damping=np.zeros((2, 6, 6))
+    )
     return assemble(PLATFORM_DOFS, none, parts, hydro, no_drag(), None)
 
 
@@ -130,7 +134,11 @@ def test_oscillator(mass, added, stiffness, ratio):
     )  # fmt: skip
     scatter = np.diag([1.0, 2.0, 4.0, 8.0, 16.0, 32.0])  # apart, so that modes can be told
     part = contribution(
-        "a", "", mass=mass * np.eye(6), stiffness=stiffness * scatter, damping=2 * ratio * natural * (mass + added) * np.sqrt(scatter)
+        "a",
+        "",
+        mass=mass * np.eye(6),
+        stiffness=stiffness * scatter,
+        damping=2 * ratio * natural * (mass + added) * np.sqrt(scatter),
     )
     system = _system([part], hydro)
     found = natural_modes(system, equilibrium(system))
@@ -161,7 +169,11 @@ def test_added_mass_of_the_modes_own_frequency():
     omega = np.array([0.5, 1.0, 1.5, 2.0])
     added = (3.0 - omega)[:, None, None] * np.eye(6)
     hydro = HydroCoefficients(
-        omega=omega, added_mass=added, radiation_damping=np.zeros((4, 6, 6)), added_mass_zero=3 * np.eye(6), added_mass_infinite=np.eye(6)
+        omega=omega,
+        added_mass=added,
+        radiation_damping=np.zeros((4, 6, 6)),
+        added_mass_zero=3 * np.eye(6),
+        added_mass_infinite=np.eye(6),
     )
     part = contribution("a", "", mass=np.eye(6), stiffness=np.diag([3.0, 1e4, 2e4, 3e4, 4e4, 5e4]))
     system = _system([part], hydro)
@@ -206,4 +218,6 @@ def test_drag_damps_the_modes(oc4):
     assert np.all(damped.damping_ratio[:6] > point.modes.damping_ratio[:6])
     heave = damped.names.index("heave")
     # c / (2 sqrt(k m)) with k 3.84e6 N/m and m 2.85e7 kg (mass 1.41e7 and added mass 1.44e7): 0.0478
-    assert damped.damping_ratio[heave] - point.modes.damping_ratio[heave] == pytest.approx(1e6 / (2 * np.sqrt(3.84e6 * 2.85e7)), rel=0.02)
+    assert damped.damping_ratio[heave] - point.modes.damping_ratio[heave] == pytest.approx(
+        1e6 / (2 * np.sqrt(3.84e6 * 2.85e7)), rel=0.02
+    )

@@ -63,7 +63,9 @@ def test_coefficients_grow_with_speed(factor):
 
 
 def members(axis, axial, position=(0.0, 0.0, 0.0)):
-    return DragMembers(position=[position], axis=[axis], factor=[2.0], axial=[float(axial)], diameter=[1.0], length=[1.0])
+    return DragMembers(
+        position=[position], axis=[axis], factor=[2.0], axial=[float(axial)], diameter=[1.0], length=[1.0]
+    )
 
 
 @given(angles)

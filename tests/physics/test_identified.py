@@ -276,7 +276,9 @@ def test_a_shifted_turbine_feels_the_same_wind(turbines, speed):
     assert abs(stiffness[6, 0]) < 1.0
 
 
-@pytest.mark.parametrize(("speed", "thrust"), [(8.0, 382.6e3), (11.0, 696.9e3), (14.0, 443.8e3), (18.0, 333.0e3), (24.0, 248.8e3)])
+@pytest.mark.parametrize(
+    ("speed", "thrust"), [(8.0, 382.6e3), (11.0, 696.9e3), (14.0, 443.8e3), (18.0, 333.0e3), (24.0, 248.8e3)]
+)
 def test_thrust_of_running_turbines(turbines, speed, thrust):
     """The force at rest less weight, taken along the shaft (5 degrees down), is the thrust of the OpenFAST 5.0 reference runs.
 

@@ -1,5 +1,7 @@
 """White-noise identification against systems whose transfer function is known."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.signal import freqz, lfilter, welch
@@ -53,7 +55,9 @@ def test_levels_standard_deviations_and_seed_scatter():
     found = estimate(inputs, outputs, STEP, SEGMENT)
     assert found.std == pytest.approx([2.0, 1.0], rel=0.02)  # 120 000 samples: 0.2 %
     assert found.mean == pytest.approx([7.0, 0.0], abs=0.03)
-    assert found.output_spectrum[3:-3, 1].mean() == pytest.approx(2 * STEP, rel=0.02)  # one-sided: variance over half the sampling rate
+    assert found.output_spectrum[3:-3, 1].mean() == pytest.approx(
+        2 * STEP, rel=0.02
+    )  # one-sided: variance over half the sampling rate
     assert found.scatter[0] == pytest.approx(found.scatter[1])
     assert 0.001 < found.scatter[0] < 0.02  # 1/sqrt(2 * 20 000) = 0.5 %
 
@@ -142,4 +146,4 @@ def test_rao_error_outside_the_band_or_without_energy_does_not_count():
 
 
 def test_bands_follow_each_other():
-    assert all(a[1] == b[0] for a, b in zip(BANDS, BANDS[1:], strict=False))
+    assert all(a[1] == b[0] for a, b in pairwise(BANDS))

@@ -122,7 +122,9 @@ def test_tension_gradients_by_differences(oc4, point):
         low, high = (mooring_state(oc4.deck.mooring, mean[:6] + s * step).fairlead_tension for s in (-1, 1))
         for line in range(3):
             # the catenary's third derivative over 1 cm: 1e-4 of the largest gradient
-            assert row(point, f"T[{line + 1}]")[k] == pytest.approx((high - low)[line] / (2 * h), rel=1e-3, abs=5.0 * (1 if k < 3 else 40))
+            assert row(point, f"T[{line + 1}]")[k] == pytest.approx(
+                (high - low)[line] / (2 * h), rel=1e-3, abs=5.0 * (1 if k < 3 else 40)
+            )
 
 
 def test_acceleration_channel_is_the_second_derivative(point):
@@ -167,6 +169,8 @@ def test_channels_follow_the_degrees_of_freedom(oc4, point):
     assert "TTDspFA" in point.outputs.names
     bare = linear_outputs(point.system, point.mean, None)
     assert not any(n.startswith(("TwrBs", "NcIMU")) for n in bare.names)
-    response = solve(point.system, point.mean, excitation(np.array([0.3, 0.4]), SeaState(kind="still"), None), drag="none")
+    response = solve(
+        point.system, point.mean, excitation(np.array([0.3, 0.4]), SeaState(kind="still"), None), drag="none"
+    )
     with pytest.raises(KeyError, match="no channel TwrBsFzt; there are PtfmSurge"):
         channel_response(bare, response).index("TwrBsFzt")

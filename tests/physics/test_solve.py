@@ -36,7 +36,11 @@ def std(response, dof):
 
 
 @given(
-    st.floats(0.5, 5.0), st.floats(0.0, 5.0), st.floats(0.5, 5.0), st.floats(0.01, 1.0), st.complex_numbers(min_magnitude=0.1, max_magnitude=9)
+    st.floats(0.5, 5.0),
+    st.floats(0.0, 5.0),
+    st.floats(0.5, 5.0),
+    st.floats(0.01, 1.0),
+    st.complex_numbers(min_magnitude=0.1, max_magnitude=9),
 )
 @settings(max_examples=40)
 def test_oscillator(simple_body, mass, added, stiffness, damping, force):
@@ -65,7 +69,11 @@ def test_variance_in_white_noise(simple_body, ratio):
     natural = np.sqrt(stiffness / mass)
     damping = 2 * ratio * np.sqrt(stiffness * mass)
     system = simple_body(
-        mass=mass * np.eye(6), stiffness=stiffness * np.eye(6), damping=damping * np.eye(6), excitation=force * np.ones(6), dofs=("heave",)
+        mass=mass * np.eye(6),
+        stiffness=stiffness * np.eye(6),
+        damping=damping * np.eye(6),
+        excitation=force * np.ones(6),
+        dofs=("heave",),
     )
     omega = frequency_grid(natural / 100, 100 * natural, 600, [natural], [ratio])
     sea = SeaState(kind="white_noise", level=2 * np.pi, band=(1e-6, 1e3))  # 1 m2/(rad/s)
@@ -78,7 +86,11 @@ def test_variance_in_white_noise(simple_body, ratio):
 def test_wind_force(simple_body):
     """Response to wind is Z^-1 times the wind force, in the degrees of freedom kept."""
     system = simple_body(
-        mass=np.eye(6), stiffness=2 * np.eye(6), damping=0.1 * np.eye(6), wind_force=np.arange(1.0, 7.0), dofs=("pitch", "surge")
+        mass=np.eye(6),
+        stiffness=2 * np.eye(6),
+        damping=0.1 * np.eye(6),
+        wind_force=np.arange(1.0, 7.0),
+        dofs=("pitch", "surge"),
     )
     omega = np.array([0.3, 1.0])
     response = solve(system, equilibrium(system), excitation(omega, STILL, None))
@@ -130,7 +142,11 @@ def test_fixed_point_of_the_relative_velocity(simple_body, plate, height):
     omega, force, depth = 2.0, 3000.0, 3.0
     grid, sea = narrow_sea(omega, height**2)
     system = simple_body(
-        mass=M * np.eye(6), stiffness=C * np.eye(6), excitation=force * np.ones(6), dofs=("heave",), drag=plate(K, position=(0, 0, -depth))
+        mass=M * np.eye(6),
+        stiffness=C * np.eye(6),
+        excitation=force * np.ones(6),
+        dofs=("heave",),
+        drag=plate(K, position=(0, 0, -depth)),
     )
     response = solve(system, equilibrium(system), excitation(grid, sea, None))
     water = 1j * omega * np.exp(-(omega**2) / G * depth)  # vertical velocity per metre, deep water
@@ -149,7 +165,9 @@ def test_a_body_of_drag_alone_moves_with_the_water(simple_body, plate):
     """When drag rules, the relative velocity vanishes: heave is the water's own, e^{kz} per metre, in phase."""
     omega = 1.0
     grid, sea = narrow_sea(omega, 1.0)
-    system = simple_body(mass=np.eye(6), stiffness=2 * np.eye(6), dofs=("heave",), drag=plate(1e5, position=(0, 0, -5.0)))
+    system = simple_body(
+        mass=np.eye(6), stiffness=2 * np.eye(6), dofs=("heave",), drag=plate(1e5, position=(0, 0, -5.0))
+    )
     response = solve(system, equilibrium(system), excitation(grid, sea, None), limit=400)
     # K sqrt(8/pi) s^2 balances (C - w^2 M) times the motion, 0.6 N: a relative velocity s of 2e-3 m/s
     assert response.to_wave[0, 10, 0] == pytest.approx(np.exp(-(omega**2) / G * 5.0), abs=4e-3)
@@ -184,7 +202,11 @@ def test_drag_models(simple_body, plate):
 def test_more_waves_more_damping(oc4):
     point = oc4.at(0.0)
     found = [
-        solve(point.system, point.mean, excitation(oc4.omega, SeaState(kind="jonswap", significant_height=h, peak_period=10.0), None))
+        solve(
+            point.system,
+            point.mean,
+            excitation(oc4.omega, SeaState(kind="jonswap", significant_height=h, peak_period=10.0), None),
+        )
         for h in (1.0, 4.0, 8.0)
     ]
     assert all(r.converged for r in found)
@@ -203,7 +225,11 @@ def test_small_waves_are_linear(oc4):
 
 
 @given(
-    st.floats(1e-3, 0.5), st.floats(1.5, 1e3), st.integers(20, 600), st.lists(st.floats(0.01, 10.0), max_size=5), st.floats(1e-4, 2.0)
+    st.floats(1e-3, 0.5),
+    st.floats(1.5, 1e3),
+    st.integers(20, 600),
+    st.lists(st.floats(0.01, 10.0), max_size=5),
+    st.floats(1e-4, 2.0),
 )
 def test_grid_properties(low, span, count, natural, damping):
     high = low * span
@@ -234,10 +260,18 @@ def test_grids_that_make_no_sense(arguments):
 @pytest.fixture(scope="module")
 def symmetric(oc4):
     """The embedded floater with its turbine replaced by a rigid mass on the axis: three-fold and mirror symmetric."""
-    mass, stiffness, force = platform_matrices(RigidBody(mass=6e5, centre=[0, 0, 70.0], inertia=np.diag([5e8, 5e8, 2.5e7])), G)
+    mass, stiffness, force = platform_matrices(
+        RigidBody(mass=6e5, centre=[0, 0, 70.0], inertia=np.diag([5e8, 5e8, 2.5e7])), G
+    )
     zero = np.zeros((6, 6))
     turbine = TurbineMatrices(
-        dofs=PLATFORM_DOFS, mass=mass, damping=zero, stiffness=stiffness, force=force, point=np.zeros(6), wind_force=np.zeros(6)
+        dofs=PLATFORM_DOFS,
+        mass=mass,
+        damping=zero,
+        stiffness=stiffness,
+        force=force,
+        point=np.zeros(6),
+        wind_force=np.zeros(6),
     )
     parts = [
         turbine_contribution(turbine),
@@ -283,7 +317,9 @@ def test_turning_the_waves_by_120_degrees_turns_the_response(symmetric, heading,
     a, b = response_at(symmetric, heading), response_at(symmetric, heading + turn)
     expected = a @ turned.T
     size = np.abs(expected).max(axis=0)
-    size = np.concatenate([[size[:2].max()] * 2, [size[2]], [size[3:5].max()] * 2, [max(size[5], 1e-3 * size[3:5].max())]])
+    size = np.concatenate(
+        [[size[:2].max()] * 2, [size[2]], [size[3:5].max()] * 2, [max(size[5], 1e-3 * size[3:5].max())]]
+    )
     difference = np.abs(b - expected).max(axis=0)
     assert np.all(difference[:5] < 0.03 * size[:5])
 

@@ -78,12 +78,17 @@ def test_cantilever_with_a_rigid_body_on_top(mass, inertia):
 
 
 def test_weight_lowers_the_frequency_to_zero_at_euler_s_load():
-    """A top mass whose weight is pi2 EI / 4 L2 buckles a weightless column; a little less leaves a slow mode, more none."""
-    light = tower(mass_density=[1e-6, 1e-6])
+    """A top mass whose weight is pi2 EI / 4 L2 buckles a light column (its own 8 t of 20,000 t are a ten-thousandth of that):
+    at 0.999 of it what is left of the stiffness is about 1e-3, of the frequency 0.03; at 1.001 nothing stands.
+    """
+    light = tower(mass_density=[100.0, 100.0])
     critical = np.pi**2 * EI / (4 * LENGTH**2) / G
-    assert bending_modes(light, head(0.999 * critical), G, count=1).frequency[0] < 0.04 * bending_modes(light, head(0.999 * critical), 0.0, count=1).frequency[0]
+    loaded, unloaded = (
+        bending_modes(light, head(0.999 * critical), g, count=1, elements=12).frequency[0] for g in (G, 0.0)
+    )
+    assert 0.02 * unloaded < loaded < 0.04 * unloaded
     with pytest.raises(ValueError, match="buckles"):
-        bending_modes(light, head(1.001 * critical), G, count=1)
+        bending_modes(light, head(1.001 * critical), G, count=1, elements=12)
 
 
 def test_a_tower_buckles_under_its_own_weight():
@@ -205,18 +210,24 @@ def test_modal_quantities_follow_the_thesis():
     """Equations 4.17 and 4.18 with the errata: M17, M57, M77 and C57 by plain sums over the shape."""
     structure = deck(DTU)
     body = rotor_nacelle(structure)
-    s = bending_modes(structure.tower, body, structure.gravity, elements=400)
+    s = bending_modes(structure.tower, body, structure.gravity, elements=200)
     z = (s.height[1:] + s.height[:-1]) / 2
     phi, top = np.interp(z, s.height, s.shape[:, 0]), s.slope[-1, 0]
-    rho = np.interp((z - structure.tower.base_height) / structure.tower.length, structure.tower.station, structure.tower.mass_density)
+    rho = np.interp(
+        (z - structure.tower.base_height) / structure.tower.length,
+        structure.tower.station,
+        structure.tower.mass_density,
+    )
     m = rho * np.diff(s.height)
     at_head, pitch = 1 + top * body.centre[2], body.inertia[1, 1] + body.mass * body.centre[0] ** 2
     up = structure.tower.top_height + body.centre[2]
-    assert np.isclose(s.mass_coupling[0, 0], body.mass * at_head + m @ phi, rtol=1e-5)  # midpoint rule, 400 pieces
-    assert np.isclose(s.mass_coupling[4, 0], body.mass * at_head * up + pitch * top + m @ (phi * z), rtol=1e-5)
-    assert np.isclose(s.modal_mass[0], body.mass * at_head**2 + pitch * top**2 + m @ phi**2, rtol=1e-5)
-    assert np.isclose(s.gravity_coupling[4, 0], -G * (body.mass * at_head + m @ phi), rtol=1e-5)
-    assert np.isclose(s.frequency[0] ** 2 * s.modal_mass[0], s.modal_stiffness[0] + s.gravity_stiffness[0], rtol=1e-9)
+    assert np.isclose(s.mass_coupling[0, 0], body.mass * at_head + m @ phi, rtol=3e-5)  # midpoint rule, 200 pieces
+    assert np.isclose(s.mass_coupling[4, 0], body.mass * at_head * up + pitch * top + m @ (phi * z), rtol=3e-5)
+    assert np.isclose(s.modal_mass[0], body.mass * at_head**2 + pitch * top**2 + m @ phi**2, rtol=3e-5)
+    assert np.isclose(s.gravity_coupling[4, 0], -G * (body.mass * at_head + m @ phi), rtol=3e-5)
+    assert np.isclose(
+        s.frequency[0] ** 2 * s.modal_mass[0], s.modal_stiffness[0] + s.gravity_stiffness[0], rtol=1e-6
+    )  # rounding grows as elements^4
 
 
 # --- polynomials -----------------------------------------------------------------------------------------------------

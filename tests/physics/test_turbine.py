@@ -22,7 +22,13 @@ from model.system.turbine import (
 
 G = 9.80665
 LENGTH, EI, MU = 80.0, 5e11, 4000.0  # m, N m2, kg/m
-BEAM = (2.0, -4 / 3, 1 / 3, 0.0, 0.0)  # static deflection of a uniform cantilever under its own distributed load: 6 x2 - 4 x3 + x4, over 3
+BEAM = (
+    2.0,
+    -4 / 3,
+    1 / 3,
+    0.0,
+    0.0,
+)  # static deflection of a uniform cantilever under its own distributed load: 6 x2 - 4 x3 + x4, over 3
 
 
 def uniform(modes=BEAM, nodes=200, **change) -> Tower:
@@ -46,7 +52,12 @@ def rotor(blades=3, tilt=0.0, cone=0.0, mass=0.0):
 
 def structure(tower=None, nacelle=None, blades=None) -> TurbineStructure:
     return TurbineStructure(
-        tower=tower or uniform(), nacelle=nacelle or head(), rotor=blades or rotor(), platform=head(), accelerometer=np.zeros(3), gravity=G
+        tower=tower or uniform(),
+        nacelle=nacelle or head(),
+        rotor=blades or rotor(),
+        platform=head(),
+        accelerometer=np.zeros(3),
+        gravity=G,
     )
 
 
@@ -57,7 +68,11 @@ def structure(tower=None, nacelle=None, blades=None) -> TurbineStructure:
 def test_polynomials_and_their_derivatives(coefficients, derivative):
     x = np.linspace(0, 1, 7)
     exact = Polynomial([0.0, 0.0, *coefficients])
-    assert np.allclose(polynomial([coefficients], x, derivative)[:, 0], exact.deriv(derivative)(x) if derivative else exact(x), atol=1e-12)
+    assert np.allclose(
+        polynomial([coefficients], x, derivative)[:, 0],
+        exact.deriv(derivative)(x) if derivative else exact(x),
+        atol=1e-12,
+    )
 
 
 def test_stiffness_integral():
@@ -147,7 +162,9 @@ def spinning(r: Rotor, azimuth: float) -> RigidBody:
             total, first = total + m, first + m * p
             second += m * ((p @ p) * np.eye(3) - np.outer(p, p))
     centre = first / total
-    return RigidBody(mass=total, centre=centre, inertia=second - total * ((centre @ centre) * np.eye(3) - np.outer(centre, centre)))
+    return RigidBody(
+        mass=total, centre=centre, inertia=second - total * ((centre @ centre) * np.eye(3) - np.outer(centre, centre))
+    )
 
 
 @given(st.floats(0, 2 * np.pi), st.floats(-0.2, 0.2), st.floats(-0.2, 0.2), st.integers(3, 5))
@@ -175,7 +192,11 @@ def test_hub_and_nacelle_join_by_the_parallel_axis_theorem():
     centre = (100.0 * np.array([1.0, 0, 2.0]) + 50.0 * hub) / 150.0
     between = hub - [1.0, 0.0, 2.0]
     reduced = 100.0 * 50.0 / 150.0
-    inertia = 9.0 * np.eye(3) + 7.0 * np.outer(axis, axis) + reduced * ((between @ between) * np.eye(3) - np.outer(between, between))
+    inertia = (
+        9.0 * np.eye(3)
+        + 7.0 * np.outer(axis, axis)
+        + reduced * ((between @ between) * np.eye(3) - np.outer(between, between))
+    )
     assert body.mass == 150.0
     assert np.allclose(body.centre, centre)
     assert np.allclose(body.inertia, inertia)
@@ -223,7 +244,13 @@ def test_an_eccentric_top_bends_the_tower():
 
 
 @given(
-    st.floats(1e3, 1e6), st.floats(-8, 8), st.floats(-2, 2), st.floats(0, 5), st.floats(-0.15, 0.15), st.floats(-0.1, 0.1), st.floats(10, 1e4)
+    st.floats(1e3, 1e6),
+    st.floats(-8, 8),
+    st.floats(-2, 2),
+    st.floats(0, 5),
+    st.floats(-0.15, 0.15),
+    st.floats(-0.1, 0.1),
+    st.floats(10, 1e4),
 )
 @settings(max_examples=40)
 def test_mass_is_symmetric_and_positive(mass, x, y, z, tilt, cone, blade):
@@ -297,4 +324,6 @@ def test_dofs_and_rest_of_the_embedded_turbine(oc4):
     assert not found.wind_force.any()
     # pure gravity: the pitch stiffness is minus g times the first moment, by definition
     assert found.stiffness[4, 4] == pytest.approx(-G * found.mass[0, 4], rel=1e-12)
-    assert found.stiffness[4, 4] == pytest.approx(-4.13072e8, rel=1e-4)  # hand calculation beside OpenFAST 5.0 reference run
+    assert found.stiffness[4, 4] == pytest.approx(
+        -4.13072e8, rel=1e-4
+    )  # hand calculation beside OpenFAST 5.0 reference run

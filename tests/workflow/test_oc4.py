@@ -27,7 +27,8 @@ def period(point, name, kind="frequency"):
 
 
 @pytest.mark.parametrize(
-    ("mode", "seconds", "tolerance"), [("surge", 112.95, 0.02), ("heave", 17.064, 0.02), ("pitch", 25.587, 0.02), ("tower_fa1", 2.3103, 0.01)]
+    ("mode", "seconds", "tolerance"),
+    [("surge", 112.95, 0.02), ("heave", 17.064, 0.02), ("pitch", 25.587, 0.02), ("tower_fa1", 2.3103, 0.01)],
 )
 def test_periods_of_free_decay(oc4, mode, seconds, tolerance):
     """Decays of 400 to 800 s in still water; drag shifts a decay's period by less than 1 %, hence 2 %."""
@@ -62,7 +63,14 @@ def test_added_mass_and_damping_belong_together(oc4, k):
 def test_periods_of_the_linearisation(oc4):
     """Eigenfrequencies of OpenFAST's parked linearisation, infinite-frequency added mass: 0.00931, 0.0393, 0.0397, 0.05879, 0.4331 Hz."""
     point = oc4.at(0.0)
-    for mode, hz in (("surge", 0.00931), ("sway", 0.00931), ("roll", 0.0397), ("pitch", 0.0393), ("heave", 0.05879), ("tower_fa1", 0.4331)):
+    for mode, hz in (
+        ("surge", 0.00931),
+        ("sway", 0.00931),
+        ("roll", 0.0397),
+        ("pitch", 0.0393),
+        ("heave", 0.05879),
+        ("tower_fa1", 0.4331),
+    ):
         # given with three or four digits; damping does not matter
         assert 1 / period(point, mode, "frequency_infinite") == pytest.approx(hz, rel=2e-3), mode
 
@@ -143,7 +151,18 @@ def test_study_without_linearisations_gives_the_same_motions(oc4, oc4_loads):
     model = build(replace(oc4.case, linearisations=(), states=oc4.states[:1]))
     item = loads(solve_states(model))[0]
     a, b = item.statistics.std, oc4_loads["white_noise"].statistics.std
-    for name in ("PtfmSurge", "PtfmHeave", "PtfmPitch", "TTDspFA", "NcIMUTAxs", "TwrBsFxt", "TwrBsMyt", "T[1]", "T[2]", "T[3]"):
+    for name in (
+        "PtfmSurge",
+        "PtfmHeave",
+        "PtfmPitch",
+        "TTDspFA",
+        "NcIMUTAxs",
+        "TwrBsFxt",
+        "TwrBsMyt",
+        "T[1]",
+        "T[2]",
+        "T[3]",
+    ):
         k = item.channels.index(name)
         assert a[k] == pytest.approx(b[k], rel=3e-3), name
 
@@ -245,7 +264,7 @@ def in_white_noise(oc4, dofs=None, **options):
 
 def test_six_and_seven_degrees_of_freedom(oc4_folder, oc4, tmp_path):
     """One line of the study. A rigid tower leaves surge and heave alone (1 %) and lacks the tower's channels; pitch gets stiffer."""
-    text = (oc4_folder / "oc4.fowt").read_text().replace('7                DOFs', '6                DOFs')
+    text = (oc4_folder / "oc4.fowt").read_text().replace("7                DOFs", "6                DOFs")
     for part in ("input", "linearisation", "reference"):
         (tmp_path / part).symlink_to(oc4_folder / part)
     (tmp_path / "six.fowt").write_text(text)
@@ -255,7 +274,9 @@ def test_six_and_seven_degrees_of_freedom(oc4_folder, oc4, tmp_path):
     assert len(model.points[0].modes.names) == 6
     assert "TTDspFA" not in six.channels.names
     for name in ("PtfmSurge", "PtfmHeave"):
-        assert six.statistics.std[six.channels.index(name)] == pytest.approx(seven.statistics.std[seven.channels.index(name)], rel=0.01)
+        assert six.statistics.std[six.channels.index(name)] == pytest.approx(
+            seven.statistics.std[seven.channels.index(name)], rel=0.01
+        )
     # the bent tower adds C57^2 / C77 = 7.6e6 N m to an overturning moment of 1.07e9: 0.36 % of the frequency at most
     assert 1.0 < period(model.points[0], "pitch") ** -1 * period(oc4.at(0.0), "pitch") < 1.02
 
@@ -266,22 +287,32 @@ def test_a_very_stiff_tower_is_rigid(oc4):
     six = loads(solve_states(build(replace(deck_only, dofs=deck_only.dofs[:6]))))[0]
     model = build(deck_only)
     point = model.points[0]
-    stiff = [replace(p, stiffness=p.stiffness + np.diag([0.0] * 6 + [1e12])) if "turbine" in p.name else p for p in point.system.parts]
+    stiff = [
+        replace(p, stiffness=p.stiffness + np.diag([0.0] * 6 + [1e12])) if "turbine" in p.name else p
+        for p in point.system.parts
+    ]
     system = replace(point.system, parts=tuple(stiff))
     mean = replace(point.mean, stiffness=point.mean.stiffness + np.diag([0.0] * 6 + [1e12]))
     model = replace(model, points=(replace(point, system=system, mean=mean),))
     seven = loads(solve_states(model))[0]
     for name in ("PtfmSurge", "PtfmHeave", "PtfmPitch"):
         # the two frequency grids differ about their modes
-        assert seven.statistics.std[seven.channels.index(name)] == pytest.approx(six.statistics.std[six.channels.index(name)], rel=3e-3)
+        assert seven.statistics.std[seven.channels.index(name)] == pytest.approx(
+            six.statistics.std[six.channels.index(name)], rel=3e-3
+        )
 
 
 def test_a_few_degrees_of_freedom_by_name(oc4):
     """Head waves on a symmetric floater: surge, heave and pitch alone give the same as all six (turbine's asymmetry: 0.1 %)."""
-    few, six = in_white_noise(oc4, ("surge", "heave", "pitch")), in_white_noise(oc4, ("surge", "sway", "heave", "roll", "pitch", "yaw"))
+    few, six = (
+        in_white_noise(oc4, ("surge", "heave", "pitch")),
+        in_white_noise(oc4, ("surge", "sway", "heave", "roll", "pitch", "yaw")),
+    )
     assert [n for n in few.channels.names if n.startswith("Ptfm")] == ["PtfmSurge", "PtfmHeave", "PtfmPitch"]
     for name in ("PtfmSurge", "PtfmHeave", "PtfmPitch"):
-        assert few.statistics.std[few.channels.index(name)] == pytest.approx(six.statistics.std[six.channels.index(name)], rel=3e-3)
+        assert few.statistics.std[few.channels.index(name)] == pytest.approx(
+            six.statistics.std[six.channels.index(name)], rel=3e-3
+        )
 
 
 def test_grid_converges(oc4, oc4_loads):
@@ -289,13 +320,19 @@ def test_grid_converges(oc4, oc4_loads):
     fine = build(replace(oc4.case, options=replace(oc4.case.options, frequency_count=3000)))
     for item in loads(solve_states(fine)):
         coarse = oc4_loads[item.state.name].statistics.std
-        moving = item.statistics.std > 1e-4 * item.statistics.std[[item.channels.units.index(u) for u in item.channels.units]].max()
+        moving = (
+            item.statistics.std
+            > 1e-4 * item.statistics.std[[item.channels.units.index(u) for u in item.channels.units]].max()
+        )
         moving &= item.statistics.std > 1e-6 * np.abs(item.channels.mean)
         for k in np.flatnonzero(moving):
             unit = item.channels.units[k]
             largest = max(s for s, u in zip(item.statistics.std, item.channels.units, strict=True) if u == unit)
             if item.statistics.std[k] > 1e-3 * largest:
-                assert coarse[k] == pytest.approx(item.statistics.std[k], rel=5e-3), (item.state.name, item.channels.names[k])
+                assert coarse[k] == pytest.approx(item.statistics.std[k], rel=5e-3), (
+                    item.state.name,
+                    item.channels.names[k],
+                )
 
 
 def test_drag_models_of_a_study(oc4):
@@ -317,7 +354,9 @@ def test_low_frequency_limit_of_the_excitation(oc4):
 
 def state(heading, **sea):
     values = {"kind": "jonswap", "significant_height": 5.0, "peak_period": 11.0} | sea
-    return StateEntry(name="trial", wind_speed=0.0, turbulence=None, sea=SeaState(heading=np.radians(heading), **values))
+    return StateEntry(
+        name="trial", wind_speed=0.0, turbulence=None, sea=SeaState(heading=np.radians(heading), **values)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -333,7 +372,9 @@ def test_mirrored_headings(at_headings):
     for k, name in enumerate(a.channels.names):
         if name == "PtfmYaw":
             continue  # yaw of a symmetric hull comes from the turbine alone
-        assert a.statistics.std[k] == pytest.approx(b.statistics.std[b.channels.index(other.get(name, name))], rel=2e-3), name
+        assert a.statistics.std[k] == pytest.approx(
+            b.statistics.std[b.channels.index(other.get(name, name))], rel=2e-3
+        ), name
 
 
 def test_line_that_faces_the_waves_works_hardest(at_headings):
