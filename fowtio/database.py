@@ -24,7 +24,7 @@ from model.system.hydro_database import HydroDatabase, interpolate, lagrange
 DIMENSIONS = ("diameter", "radius", "draft")
 GRAVITY = 9.80665
 FORM = "fowtio hydrodynamic database 1"
-EMBEDDED = "semi_10mw/semi_database.nc"
+EMBEDDED = "semi_database.nc"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -299,9 +299,9 @@ def database_plan(path: str | Path | None = None) -> DatabasePlan:
 
 def embedded_path() -> Path:
     """Return the path of the database that comes with fowtio."""
-    from importlib.resources import files
+    from fowtio.hull_turbine import reference_folder
 
-    path = Path(str(files("fowtio.cases"))) / EMBEDDED
+    path = reference_folder("semi_10mw") / EMBEDDED
     if not path.is_file():
         raise ModelError("no coefficient database is installed; build one: fowtio database build")
     return path

@@ -250,6 +250,8 @@ def _turbine(case: Case, deck: Deck, dofs: Sequence[str], speed: float) -> tuple
     if speed == 0:
         modes = tuple(d for d in deck.elastodyn.dofs if d in TOWER_MODES) if dofs is None else tuple(d for d in dofs if d in TOWER_MODES)
         note = "parked turbine from the deck's structural data; blades rigid, no air"
+        if deck.aerodynamics and not entries:
+            note += " (the deck has aerodynamics: name linearisations at its wind speed in a study to have the wind)"
         return structural_matrices(deck.elastodyn.structure, modes), (), [note]
     below = [s for s in entries if 0 < s < speed]
     above = [s for s in entries if s > speed]

@@ -10,12 +10,12 @@ import numpy as np
 
 from model.conventions import PLATFORM_DOFS
 from model.response.assemble import Equilibrium, System
-from model.response.drag_iteration import DragProblem, coefficients, drag_problem
+from model.response.drag_iteration import DragProblem, coefficients, damping_and_force, drag_problem
 from model.response.loads import LinearOutputs
 from model.response.solve import Grid, _dynamic_stiffness, iterate, trapezoid_weights
 
-_CHUNK = 1024
-_COARSE = 3
+_CHUNK = 2048
+_COARSE = 2
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -52,8 +52,8 @@ def solve_many(
     """Return the responses of many states about one mean offset.
 
     wave_spectrum (s, m, n) [m2/(rad/s)] at the grid's headings; wind_spectrum and gradient_spectrum (s, n), left out when calm.
-    Drag is iterated on every third frequency, and finished on all of them from there. workers threads share
-    the states. Raises ValueError when drag does not converge for a state.
+    Drag is iterated on every second frequency, which gives its coefficients to some 1e-3, and the motions are then solved on
+    all of them. workers threads share the states. Raises ValueError when drag does not converge for a state.
     """
     waves = np.asarray(wave_spectrum, dtype=float)
     s, n = len(waves), len(grid.omega)
@@ -106,9 +106,9 @@ def batch_std(outputs: LinearOutputs, response: BatchResponse, names: Sequence[s
 
 
 def _solve_part(system, mean, grid: Grid, waves, wind, gradient, calm: bool, drag: str, tolerance, limit):
-    """Return motions, drag damping and last change of some states: coarse frequencies first, then all."""
+    """Return motions, drag damping and last change of some states: drag on coarse frequencies, then motions on all."""
     rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
-    here, start = system.platform, None
+    here, linear, last = system.platform, None, np.zeros(len(waves))
     coarse = np.unique(np.append(np.arange(0, len(grid.omega), _COARSE), len(grid.omega) - 1))
     for places in (coarse, slice(None)):
         omega = grid.omega[places]
@@ -124,14 +124,13 @@ def _solve_part(system, mean, grid: Grid, waves, wind, gradient, calm: bool, dra
             system.drag, part.directions, part.water, omega, rows, waves[:, :, places] * step, winds, system.quadratic_damping, drag
         )
         if not problem.active:
-            solution = np.repeat(np.linalg.solve(dynamic, force), len(waves), axis=0)
-            damping, last = np.zeros((len(waves), 6, 6)), np.zeros(len(waves))
-            continue
-        allowed = tolerance if places is not coarse else 3 * tolerance
-        solution, damping, _, last = iterate(
-            problem, dynamic, force, here, tolerance=allowed, limit=limit, start=start, solve_linear=eliminate
-        )
-        start = coefficients(problem, solution, here)
+            solution, damping = np.repeat(np.linalg.solve(dynamic, force), len(waves), axis=0), np.zeros((len(waves), 6, 6))
+        elif places is coarse:
+            solution, _, _, last = iterate(problem, dynamic, force, here, tolerance=tolerance, limit=limit, solve_linear=eliminate)
+            linear = coefficients(problem, solution, here)
+        else:
+            damping, wave_force = damping_and_force(problem, linear)
+            solution = eliminate(problem, dynamic, damping, force, wave_force, here)
     return solution, damping, last
 
 
