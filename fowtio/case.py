@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fowtio.case_validation import TABLES, DecayReference, Reference, decays, references
 from fowtio.errors import CaseError, FormatError, Problem
 from fowtio.read.openfast_input import InputFile, read_input
 from fowtio.read.text import number
@@ -74,21 +75,10 @@ class Options:
     extras: ExtraOutputs = field(default_factory=ExtraOutputs)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Reference:
-    """Time series to compare a state with: state name, files, transient to discard [s], tolerances by channel."""
-
-    state: str
-    files: tuple[Path, ...]
-    discard: float
-    tolerance: float
-    line: int = 0
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Case:
     """A study: its file, title, deck, hydrodynamic coefficients (None: the deck's), degrees of freedom (None: the deck's),
-    linearisations, states (empty: the deck's own sea), options, references for validation.
+    linearisations, states (empty: the deck's own sea), options, references and decay tests for validation.
     """
 
     path: Path
@@ -100,6 +90,7 @@ class Case:
     states: tuple[StateEntry, ...] = ()
     options: Options = field(default_factory=Options)
     references: tuple[Reference, ...] = ()
+    decays: tuple[DecayReference, ...] = ()
     direct: tuple[Path, ...] = ()
 
 
@@ -145,7 +136,8 @@ def load(path: str | Path) -> Case:
         linearisations=problems.get(lambda: _linearisations(source, problems), ()),
         states=problems.get(lambda: _states(source, problems), ()),
         options=_options(source, problems),
-        references=problems.get(lambda: _references(source, problems), ()),
+        references=problems.get(lambda: references(source, problems, _glob), ()),
+        decays=problems.get(lambda: decays(source, problems, _glob), ()),
         direct=problems.get(lambda: _direct(source, problems), ()),
     )  # fmt: skip
     _check_consistency(case, problems)
@@ -201,7 +193,7 @@ def _without_rows(source: InputFile) -> InputFile:
 def _table_lines(source: InputFile) -> set[int]:
     """Return the lines of the tables: from below a count to the next rule."""
     out = set()
-    for count in ("NLin", "NStates", "NRef"):
+    for count in ("NLin", "NStates", *TABLES):
         if source.has(count):
             i = source.line(count)
             while i < len(source.lines) and not source.lines[i].startswith("---"):
@@ -212,7 +204,7 @@ def _table_lines(source: InputFile) -> set[int]:
 
 def _check_row_counts(source: InputFile, problems: _Problems) -> None:
     """Note tables that have more rows than their count says: the rest would be passed over."""
-    for count in ("NLin", "NStates", "NRef"):
+    for count in ("NLin", "NStates", *TABLES):
         try:
             table = source.table(count) if source.has(count) else None
         except FormatError:
@@ -418,24 +410,6 @@ def _turbulence(text: str) -> str | float | None:
     if not 0 <= value <= 100:
         raise ValueError(f"Turbulence is {value:g} %, expected 0 to 100")
     return value / 100 or None
-
-
-def _references(source: InputFile, problems: _Problems) -> tuple[Reference, ...]:
-    if not source.has("NRef"):
-        return ()
-    table = source.table("NRef")
-    if not len(table):
-        return ()
-    out = []
-    discards, tolerances = table.numbers("Discard"), table.numbers("Tolerance")
-    for state, pattern, discard, tolerance, line in zip(
-        table.column("State"), table.column("RefFiles"), discards, tolerances, table.numbers_of_lines, strict=True
-    ):
-        files = _glob(source, pattern)
-        if not files:
-            problems.add(f"no file matches {pattern!r} (RefFiles, looked in {source.path.parent})", line)
-        out.append(Reference(state=state, files=files, discard=float(discard), tolerance=float(tolerance) / 100, line=line))
-    return tuple(out)
 
 
 def _check_consistency(case: Case, problems: _Problems) -> None:

@@ -71,18 +71,18 @@ def check(
     json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
 ) -> None:  # fmt: skip
     """Read everything, say what was understood and who contributes what; change nothing."""
-    from fowtio import report_data, terminal
-    from fowtio.case import SUFFIX, load
+    if path.suffix.lower() not in (".fowt", ".fst"):
+        from fowtio.file_report import inspection_json, show_inspection
+        from fowtio.read import inspect
 
-    if path.suffix.lower() not in (SUFFIX, ".fst"):
-        from fowtio.read import describe
-
-        rows = describe(path)
+        found = inspect(path)
         if json:
-            _print_json({"file": str(path), **{label: text for label, text in rows}})
-        else:
-            terminal.show_rows(str(path), rows)
+            _print_json(inspection_json(found))
+        elif not quiet:
+            show_inspection(found)
         return
+    from fowtio import report_data, terminal
+    from fowtio.case import load
     from fowtio.workflow import build
 
     with terminal.Progress(quiet=quiet or json) as say:
@@ -190,6 +190,120 @@ def tower(
         _print_json(report_json(found, files))
     elif not quiet:
         show_tower(found, files)
+
+
+@app.command()
+def bem(
+    hull: Annotated[Path, typer.Argument(help="hull file (.toml) or a mesh (.gdf, .stl, .msh)", show_default=False)],
+    out: OUT = None, jobs: Annotated[int, typer.Option(help="processes")] = 2,
+    json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Hydrodynamic coefficients of one hull by the boundary-element method (needs the extra bem); a stopped run goes on."""
+    from fowtio import terminal
+    from fowtio.bem_report import bem_json, bem_rows
+    from fowtio.bem_run import read_hull, run_bem, write_results
+
+    described = read_hull(hull)
+    folder = out or Path("results") / f"{hull.stem}_bem"
+    with terminal.Progress(quiet=quiet or json) as say:
+        hydro, quality = run_bem(described, folder, jobs=jobs, progress=lambda done, total: say(f"frequency {done} of {total}"))
+        files = write_results(described, hydro, folder)
+    if json:
+        _print_json(bem_json(described, hydro, quality, files))
+    elif not quiet:
+        terminal.show_rows(described.title, bem_rows(described, hydro, quality, files))
+
+
+database_app = typer.Typer(help="Coefficients over a grid of hulls: build, check, describe.", no_args_is_help=True)
+app.add_typer(database_app, name="database")
+DATABASE = Annotated[Path | None, typer.Argument(help="database file; by default the one that comes with fowtio", show_default=False)]
+
+
+@database_app.command("build")
+def database_build(
+    out: Annotated[Path, typer.Option("-o", "--out", help="file to write")] = Path("semi_database.nc"),
+    folder: Annotated[Path, typer.Option(help="folder of the solutions; a stopped build goes on there")] = Path("database_work"),
+    jobs: Annotated[int, typer.Option(help="processes")] = 2,
+    dask: Annotated[str | None, typer.Option(help="address of a Dask scheduler, host:port", show_default=False)] = None,
+    json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Solve the family of semisubmersibles (needs the extra bem) and pack it into one file; under an hour on two cores."""
+    from fowtio import terminal
+    from fowtio.database import DatabasePlan, collect, solve_plan, write_database
+
+    plan = DatabasePlan()
+    with terminal.Progress(quiet=quiet or json) as say:
+        solve_plan(plan, folder, jobs=jobs, dask=dask, progress=lambda done, total: say(f"hull {done} of {total}"))
+        path = write_database(collect(plan, folder), out, plan)
+    if json:
+        _print_json({"database": str(path), "size": path.stat().st_size, "units": {"size": "byte"}})
+    elif not quiet:
+        print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)\nnext: fowtio database check {path}")
+
+
+@database_app.command("check")
+def database_check(
+    path: DATABASE = None, hulls: Annotated[int, typer.Option(help="random hulls that the database has not seen")] = 4,
+    seed: Annotated[int, typer.Option(help="of the random hulls")] = 1,
+    depth: Annotated[float, typer.Option(help="water depth (m), inf is deep")] = 200.0,
+    tolerance: Annotated[float, typer.Option(help="largest error allowed (% of each coefficient's maximum)")] = 1.0,
+    folder: Annotated[Path | None, typer.Option(help="keep the solutions here", show_default=False)] = None,
+    out: OUT = None, jobs: Annotated[int, typer.Option(help="processes")] = 2,
+    json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Solve random hulls afresh (needs the extra bem) and report the errors of interpolated coefficients and RAOs."""
+    from fowtio import terminal
+    from fowtio.bem_report import check_database, check_json, check_rows
+
+    with terminal.Progress(quiet=quiet or json) as say:
+        say(f"solving {hulls} hulls")
+        found = check_database(path, hulls=hulls, seed=seed, depth=depth, jobs=jobs, folder=folder, out=out)
+    if json:
+        _print_json(check_json(found))
+    elif not quiet:
+        terminal.show_rows("Interpolated coefficients against solutions (% of each coefficient's maximum)", check_rows(found))
+    if max(row["worst"] for row in found) > tolerance / 100:
+        raise typer.Exit(EXIT_CHECK)
+
+
+@database_app.command("info")
+def database_info(path: DATABASE = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False) -> None:
+    """Say what a database holds and verify its checksum."""
+    from fowtio import terminal
+    from fowtio.bem_report import info_rows
+
+    rows = info_rows(path)
+    if json:
+        _print_json(dict(rows))
+    else:
+        terminal.show_rows("Coefficient database", rows)
+
+
+@app.command()
+def semi(
+    diameter: Annotated[float, typer.Argument(help="of the offset columns (m)", show_default=False)],
+    radius: Annotated[float, typer.Argument(help="tower axis to offset columns (m)", show_default=False)],
+    draft: Annotated[float, typer.Argument(help="(m)", show_default=False)],
+    anchor: Annotated[float, typer.Option(help="anchor radius (m)")] = 837.6,
+    length: Annotated[float, typer.Option(help="unstretched line length (m)")] = 835.0,
+    depth: Annotated[float, typer.Option(help="water depth (m)")] = 200.0,
+    wire: Annotated[bool, typer.Option("--wire", help="spiral strand wire instead of chain")] = False,
+    out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """A semisubmersible under the 10 MW turbine from a few numbers: masses, ballast, stability; with -o a deck and a study."""
+    from fowtio import terminal
+    from fowtio.bem_report import semi_rows
+    from fowtio.hull_system import CHAIN, WIRE, SemiDesign, design_deck, thesis_hull
+
+    design = SemiDesign(
+        hull=thesis_hull(diameter, radius, draft), anchor_radius=anchor, length=length, depth=depth, line=WIRE if wire else CHAIN
+    )
+    rows = semi_rows(design)
+    study = None if out is None else design_deck(design, out, title=f"a semisubmersible {diameter:g} x {radius:g} x {draft:g} m")
+    if json:
+        _print_json({name: value for name, _, value, _ in rows} | {"units": {n: u for n, _, _, u in rows}, "study": str(study) if study else None})
+    elif not quiet:
+        terminal.show_rows("Semisubmersible", [(label, f"{value:.5g} {unit}") for _, label, value, unit in rows] + ([("study", str(study))] if study else []))
 
 
 def main() -> None:

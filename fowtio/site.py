@@ -72,28 +72,28 @@ _NUMBERS = {
 _NAMES = (*_NUMBERS, "Gamma", "Turbulence", "NPar")
 
 
-def shipped_sites() -> dict[str, Path]:
-    """Return the site files that come with fowtio, by name."""
+def shipped_sites(suffix: str = SUFFIX) -> dict[str, Path]:
+    """Return the site files (or those of another suffix) that come with fowtio, by name."""
     checkout = Path(__file__).resolve().parent.parent / "validation" / "sites"
     if checkout.is_dir():
         folder = checkout
     else:
         with as_file(files("fowtio.cases") / "sites") as packaged:
             folder = Path(packaged)
-    return {p.stem: p for p in sorted(folder.glob(f"*{SUFFIX}"))}
+    return {p.stem: p for p in sorted(folder.glob(f"*{suffix}"))}
 
 
-def find_site(name: str | Path) -> Path:
-    """Return the site file of a path, or of the name of one that comes with fowtio; raise FormatError when there is none."""
+def shipped(name: str | Path, suffix: str, what: str) -> Path:
+    """Return the file of a path, or of the name of one that comes with fowtio; raise FormatError when there is none."""
     path = Path(name)
     if path.is_file():
         return path
-    known = shipped_sites()
+    known = shipped_sites(suffix)
     if str(name) in known:
         return known[str(name)]
     near = difflib.get_close_matches(str(name), known, n=1)
-    hint = f"Did you mean {near[0]}?" if near else f"Sites that come with fowtio: {', '.join(known)}"
-    raise FormatError(path, expected="a site file, or the name of a site that comes with fowtio", found=str(name), hint=hint)
+    hint = f"Did you mean {near[0]}?" if near else f"Those that come with fowtio: {', '.join(known)}"
+    raise FormatError(path, expected=f"a {what}, or the name of one that comes with fowtio", found=str(name), hint=hint)
 
 
 def load_site(name: str | Path) -> Site:
@@ -101,7 +101,7 @@ def load_site(name: str | Path) -> Site:
 
     Raises CaseError with every problem of the file at once, FormatError when it cannot be read at all.
     """
-    path = find_site(name)
+    path = shipped(name, SUFFIX, "site file")
     source = read_input(path)
     if TITLE_RULE not in source.lines[0].upper():
         hint = "fowtio contour RECORD fits a distribution to a metocean record and writes such a file"

@@ -14,6 +14,7 @@ from fowtio.read.hydrodyn import drag_members
 from fowtio.read.openfast_deck import Deck, deck_hydro, read_deck
 from fowtio.read.openfast_lin import read_openfast_lin
 from model.conventions import PLATFORM_DOFS
+from model.environment.current import current_velocity
 from model.environment.rotor_wind import RotorSensitivity, rotor_sensitivity
 from model.environment.sea import SeaState
 from model.environment.wind import WindState
@@ -28,6 +29,7 @@ from model.system.contributions import (
     added_mass_contribution,
     additional_contribution,
     condense,
+    contribution,
     hydrostatic_contribution,
     mooring_contribution,
     platform_contribution,
@@ -35,6 +37,7 @@ from model.system.contributions import (
     turbine_of_linearisation,
     widen,
 )
+from model.system.drag import DragMembers, steady_drag
 from model.system.hydro import HydroCoefficients, headings_cover
 from model.system.identified import SecondOrder, has_load_inputs, second_order
 from model.system.linearisation import Linearisation
@@ -42,6 +45,7 @@ from model.system.tower import TOWER_MODES, top_place, tower_modes
 from model.system.turbine import TurbineMatrices, TurbineStructure, gradient_forces, head_motion, structural_matrices
 
 SAME_SPEED = 0.05  # m/s
+STRETCHED = 0.02  # strain of a line above which a note is due; chain and wire break below it
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -118,13 +122,17 @@ def build(case: Case, *, progress: Callable[[str], None] = lambda text: None, sp
     dofs = deck.elastodyn.dofs if case.dofs is None else case.dofs
     parts, notes = _fixed_parts(deck, hydro)
     drag = drag_members(deck.hydrodyn.members, deck.density)
+    flow = _current(deck, drag)
+    if flow is not None:
+        parts.append(contribution("steady current", "the deck's sea (CurrMod), in still water", force=steady_drag(drag, flow)))
     points = []
     for speed in sorted({s.wind_speed for s in states} if speeds is None else set(speeds)):
         progress(f"operating point at {speed:g} m/s" if speed else "parked operating point")
         turbine, contained, more = _turbine(case, deck, None if dofs == ALL_DOFS else dofs, speed)
         notes += more
         kept = turbine.dofs if dofs == ALL_DOFS else dofs
-        points.append(_operating_point(speed, turbine, contained, kept, parts, hydro, drag, deck, case.options.extras))
+        points.append(_operating_point(speed, turbine, contained, kept, parts, hydro, drag, flow, deck, case.options.extras))
+        notes += _stretched(points[-1])
     omega = _omega(case, states, points)
     return Model(
         case=case, deck=deck, hydro=hydro, states=tuple(states), points=tuple(points), omega=omega, notes=tuple(dict.fromkeys(notes))
@@ -236,9 +244,14 @@ def _fixed_parts(deck: Deck, hydro: HydroCoefficients) -> tuple[list[Contributio
         raise ModelError("the hydrodynamic coefficients hold no hydrostatic stiffness (is the .hst file missing?)")
     if deck.mooring is None:
         notes.append("the deck has no moorings: the floater drifts freely in surge, sway and yaw")
-    if deck.sea is not None and deck.sea.current:
-        notes.append("the deck's current is not modelled")
     return parts, notes
+
+
+def _current(deck: Deck, drag: DragMembers) -> np.ndarray | None:
+    """Return the steady current (s, 3) [m/s] at the drag elements, None without."""
+    if deck.sea is None or deck.sea.current is None:
+        return None
+    return current_velocity(replace(deck.sea.current, depth=deck.depth), drag.position[:, 2])
 
 
 def _turbine(case: Case, deck: Deck, dofs: Sequence[str], speed: float) -> tuple[TurbineMatrices, tuple[Contribution, ...], list[str]]:
@@ -384,25 +397,36 @@ def _between(a: TurbineMatrices, b: TurbineMatrices, share: float, speed: float)
 
 
 def _operating_point(
-    speed, turbine, contained, dofs, parts, hydro, drag, deck: Deck, extras: ExtraOutputs
+    speed, turbine, contained, dofs, parts, hydro, drag, flow, deck: Deck, extras: ExtraOutputs
 ) -> OperatingPoint:
     structure, rotor = deck.elastodyn.structure, None
     if speed > 0:
         rotor = rotor_sensitivity(structure.rotor.diameter, structure.rotor.blades, turbine.rotor_speed, speed)
         turbine = replace(turbine, gradient_force=_gradient_forces(structure, turbine, rotor))
     try:
-        system = assemble(dofs, turbine, [turbine_contribution(turbine), *parts], hydro, drag, deck.mooring, deck.hydrodyn.quadratic_damping)
+        system = assemble(
+            dofs, turbine, [turbine_contribution(turbine), *parts], hydro, drag, deck.mooring, deck.hydrodyn.quadratic_damping, flow
+        )
         mean = equilibrium(system)
-        modes = natural_modes(system, mean)
     except ValueError as error:
         raise ModelError(f"{deck.mooring_path or deck.path}: {error}") from None
     try:
+        modes = natural_modes(system, mean)
         outputs = with_extras(linear_outputs(system, mean, structure), system, mean, structure, extras)
     except ValueError as error:
-        raise ModelError(str(error)) from None
+        raise ModelError(f"{deck.path}: {error}") from None
     return OperatingPoint(
         wind_speed=speed, turbine=turbine, rotor=rotor, system=system, mean=mean, modes=modes, outputs=outputs, contained=contained,
     )  # fmt: skip
+
+
+def _stretched(point: OperatingPoint) -> list[str]:
+    """Return a note on lines that are stretched more than steel allows at the mean offset."""
+    if point.mean.mooring is None:
+        return []
+    strain = point.mean.mooring.fairlead_tension / point.system.mooring.axial_stiffness
+    names = [n for n, e in zip(point.system.mooring.line_names, strain, strict=True) if e > STRETCHED]
+    return [f"line {', '.join(names)} stretched by {100 * strain.max():.0f} % at {point.wind_speed:g} m/s: is it long enough?"] if names else []
 
 
 def _gradient_forces(structure: TurbineStructure, turbine: TurbineMatrices, rotor: RotorSensitivity) -> np.ndarray:

@@ -5,9 +5,9 @@ Importing this package imports no reader: each is loaded when it is first needed
 
 from __future__ import annotations
 
-from fowtio.read.registry import Format, describe, formats, read_any, recognise
+from fowtio.read.registry import Format, Inspection, describe, formats, inspect, read_any, recognise
 
-__all__ = ["FORMATS", "Format", "describe", "formats", "read_any", "recognise"]
+__all__ = ["FORMATS", "Format", "Inspection", "describe", "formats", "inspect", "read_any", "recognise"]
 
 
 def __getattr__(name: str):

@@ -12,7 +12,7 @@ import numpy as np
 
 from fowtio.errors import FormatError
 from fowtio.read.aqwa_lis import assemble, from_lags, numbers_of, read_aqwa_lis
-from fowtio.read.hydro_common import choose_body, describe_hydro, number_table
+from fowtio.read.hydro_common import choose_body, describe_hydro, hydro_problems, number_table
 from fowtio.read.registry import Format
 from fowtio.read.text import read_lines
 from model.system.hydro import HydroCoefficients
@@ -166,4 +166,4 @@ def _is_ah1(path, head: bytes) -> bool:
     return head.lstrip(b"\xef\xbb\xbf")[:1] == b"*" and b"AQWA" in head[:2000] and b"GENERAL" in head
 
 
-AQWA_AH1 = Format(name="AQWA database (.AH1)", recognises=_is_ah1, read=read_aqwa_ah1, describe=describe_hydro)
+AQWA_AH1 = Format(name="AQWA database (.AH1)", recognises=_is_ah1, read=read_aqwa_ah1, describe=describe_hydro, problems=hydro_problems)

@@ -21,6 +21,7 @@ from fowtio.read.hydro_common import (
     choose_body,
     coefficients,
     describe_hydro,
+    hydro_problems,
     number_at,
     phase_to_origin,
     wave_number,
@@ -323,4 +324,4 @@ def _is_lis(path, head: bytes) -> bool:
     return b"DECK" in head and (b"AQWA" in head.upper() or b"H Y D R O D Y N A M I C" in head)
 
 
-AQWA_LIS = Format(name="AQWA listing (.LIS)", recognises=_is_lis, read=read_aqwa_lis, describe=describe_hydro)
+AQWA_LIS = Format(name="AQWA listing (.LIS)", recognises=_is_lis, read=read_aqwa_lis, describe=describe_hydro, problems=hydro_problems)

@@ -30,7 +30,7 @@ def read_hydro(path: str | Path, **options) -> HydroCoefficients:
     """
     path = Path(path)
     read, name = _reader(path)
-    known = [p for p in signature(read).parameters if p != "path"]
+    known = hydro_options(path)
     unknown = [option for option in options if option not in known]
     if unknown:
         hint = f"It takes {', '.join(known)}; water and gravity are in the file unless named here"
@@ -38,6 +38,20 @@ def read_hydro(path: str | Path, **options) -> HydroCoefficients:
             path, expected=f"no option {', '.join(unknown)} for {name}", found=", ".join(unknown), hint=hint
         )
     return read(path, **options)
+
+
+def hydro_options(path: str | Path) -> list[str]:
+    """Return the names of the options that the reader of a file takes; raise FormatError as `read_hydro`."""
+    return [p for p in signature(_reader(Path(path))[0]).parameters if p != "path"]
+
+
+def is_hydro(path: str | Path) -> bool:
+    """Tell whether a file, folder or stem holds hydrodynamic coefficients."""
+    try:
+        _reader(Path(path))
+    except FormatError:
+        return False
+    return True
 
 
 def _reader(path: Path):

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
+from fowtio.read.registry import SeveralBodies, span
 from fowtio.read.text import number, number_rows
 from model.conventions import PLATFORM_DOFS, move_matrix, weight_stiffness
 from model.environment.airy import wavenumber
@@ -164,51 +165,69 @@ def check_mirror(path, values: np.ndarray, omega: np.ndarray, what: str) -> None
 def choose_body(path, wanted, names: Sequence, what: str = "body") -> int:
     """Return the place (from 0) of the wanted body (a name, or a number from 1); by default of the only one."""
     names = [str(name) for name in names]
-    listing = ", ".join(f"{k + 1}: {name}" if name != str(k + 1) else name for k, name in enumerate(names))
     if wanted is None:
         if len(names) == 1:
             return 0
-        raise FormatError(
-            path, expected=f"one {what}", found=f"{len(names)}: {listing}", hint=f"Choose with body=... ({listing})"
-        )
+        raise SeveralBodies(path, names, what=what)
     if isinstance(wanted, str) and wanted in names:
         return names.index(wanted)
     if not isinstance(wanted, str) and 1 <= wanted <= len(names):
         return int(wanted) - 1
+    listing = ", ".join(f"{k + 1}: {name}" if name != str(k + 1) else name for k, name in enumerate(names))
     raise FormatError(path, expected=f"{what} {wanted}", found=listing, hint="Choose one of these")
 
 
 def describe_hydro(hydro: HydroCoefficients) -> list[tuple[str, str]]:
     """Return what a set of coefficients holds, as (label, text) rows."""
-    depth = "infinite" if np.isinf(hydro.depth) else f"{hydro.depth:g} m"
     have = [("zero", hydro.added_mass_zero), ("infinite", hydro.added_mass_infinite)]
-    limits = " and ".join(name for name, value in have if value is not None) or "neither zero nor infinite"
-    omega = hydro.omega
-    rows = [
-        (
-            "frequencies",
-            f"{len(omega)}, {omega[0]:.4g} to {omega[-1]:.4g} rad/s; limits: {limits}" if len(omega) else "none",
-        ),
-        ("convention", "SI, Re{X e^{+i omega t}}, crest at the origin, headings towards, counter-clockwise from +x"),
+    limits = " and ".join(name for name, value in have if value is not None) or "none"
+    stiffness, centre = hydro.hydrostatic_stiffness, hydro.centre_of_buoyancy
+    c = None if stiffness is None else np.diagonal(stiffness)
+    return [
+        ("frequencies", f"{len(hydro.omega)}, {span(hydro.omega[[0, -1]], 'rad/s')}" if len(hydro.omega) else "none"),
+        ("limits of added mass", f"{limits} frequency" if limits != "none" else limits),
+        ("headings", "no excitation" if hydro.heading is None else f"{len(hydro.heading)}, {span(np.degrees(hydro.heading), 'deg')}"),
+        ("water", f"{hydro.density:g} kg/m3, g {hydro.gravity:g} m/s2, depth {'infinite' if np.isinf(hydro.depth) else f'{hydro.depth:g} m'}"),
+        ("hydrostatic stiffness", "none" if c is None else f"heave {c[2]:.5g} N/m, roll {c[3]:.5g}, pitch {c[4]:.5g} N m/rad, of buoyancy alone"),
+        ("displaced volume", "not in the file" if hydro.volume is None else f"{hydro.volume:.6g} m3"),
+        *([] if centre is None else [("centre of buoyancy", "({:.5g}, {:.5g}, {:.5g}) m".format(*centre))]),
         ("reference point", "({:g}, {:g}, {:g}) m".format(*hydro.reference_point)),
-        ("water", f"{hydro.density:g} kg/m3, g {hydro.gravity:g} m/s2, depth {depth}"),
-    ]
-    if hydro.excitation is not None:
-        angle = np.degrees(hydro.heading)
-        rows.insert(1, ("headings", f"{len(angle)}, {angle[0]:.4g} to {angle[-1]:.4g} deg"))
-    else:
-        rows.insert(1, ("excitation", "none"))
-    if hydro.hydrostatic_stiffness is not None:
-        c = hydro.hydrostatic_stiffness
-        rows.append(
-            (
-                "hydrostatic stiffness",
-                f"heave {c[2, 2]:.5g} N/m, roll {c[3, 3]:.5g}, pitch {c[4, 4]:.5g} N m/rad, without weight",
-            )
+        ("convention", "SI, Re{X e^{+i omega t}}, crest at the origin, headings towards, counter-clockwise from +x"),
+    ]  # fmt: skip
+
+
+def hydro_problems(hydro: HydroCoefficients) -> list[str]:
+    """Return what is missing or doubtful in a set of coefficients."""
+    missing = (
+        (hydro.excitation, "no exciting forces"),
+        (hydro.hydrostatic_stiffness, "no hydrostatic stiffness"),
+        (hydro.added_mass_zero, "no zero-frequency added mass; that of the lowest frequency is held below it"),
+        (hydro.added_mass_infinite, "no infinite-frequency added mass; that of the highest frequency is taken"),
+    )
+    out = [text for value, text in missing if value is None]
+    diagonal = np.diagonal(hydro.radiation_damping, axis1=1, axis2=2)
+    share = diagonal.min(axis=0) / np.maximum(diagonal.max(axis=0), 1e-300)
+    for mode in np.flatnonzero(share < -1e-3):
+        count = int(np.sum(diagonal[:, mode] < 0))
+        at = "1 frequency" if count == 1 else f"{count} frequencies"
+        out.append(
+            f"the radiation damping in {PLATFORM_DOFS[mode]} is negative at {at}, "
+            f"down to {100 * share[mode]:.2g} % of its largest"
         )
-    if hydro.volume is not None:
-        rows.append(("displaced volume", f"{hydro.volume:.6g} m3"))
-    return rows
+    for name, values in (("added mass", hydro.added_mass), ("radiation damping", hydro.radiation_damping)):
+        out += _asymmetry(name, values)
+    return out
+
+
+def _asymmetry(name: str, values: np.ndarray) -> list[str]:
+    """Return a text when matrices (n, 6, 6) are unsymmetric by more than 3 % of their diagonals, with the worst element."""
+    size = np.abs(np.diagonal(values, axis1=1, axis2=2)).max(axis=0)
+    scale = np.sqrt(np.outer(size, size))
+    error = np.abs(values - np.swapaxes(values, 1, 2)).max(axis=0) / np.where(scale > 0, scale, np.inf)
+    i, j = np.unravel_index(np.argmax(error), (6, 6))
+    if error[i, j] < 0.03:
+        return []
+    return [f"the {name} is not symmetric: {PLATFORM_DOFS[i]}-{PLATFORM_DOFS[j]} by {100 * error[i, j]:.2g} % of the diagonal"]
 
 
 def coefficients(path, *, point=(0.0, 0.0, 0.0), **fields) -> HydroCoefficients:

@@ -293,26 +293,60 @@ def _recognises(path, head: bytes) -> bool:
 
 def _describe(record: Metocean) -> list[tuple[str, str]]:
     r = record.report
-    first, last = (np.datetime_as_string(t, unit="m") for t in record.time[[0, -1]])
-    rows = [("time", f"{first} to {last} UTC, {len(record.time)} steps of {r.step:g} s")]
+    first, last = (_day(t) for t in record.time[[0, -1]])
+    rows = [
+        ("time", f"{first} to {last} UTC"),
+        ("rows", f"{r.rows} read, {len(record.time)} kept, one every {r.step:g} s"),
+    ]
     for quantity, heading, unit, factor in r.columns:
-        values = record.values[quantity]
-        si = (
-            span(values, "deg", 180 / np.pi)
-            if quantity in HEADINGS
-            else span(values, next(iter(QUANTITIES[quantity].units)))
-        )
-        wrong = {k: getattr(r, k)[quantity] for k in ("missing", "sentinel", "out_of_range", "unreadable")}
-        counts = ", ".join(f"{n} {k.replace('_', ' ')}" for k, n in wrong.items() if n)
-        rows.append((quantity, f"{si} (column {heading}, {unit} x {factor:.6g}){'; ' + counts if counts else ''}"))
-    rows.append(
-        (
-            "rows",
-            f"{r.rows} read, {r.duplicates} repeated, {r.conflicting} contradictory, {r.bad_times} without time, {r.unsorted} out of order",
-        )
-    )
-    rows.append(("gaps", f"{r.gaps}, {r.missing_steps} steps missing"))
-    return rows + [("assumed", note) for note in r.notes]
+        unit_si, scale = ("deg", 180 / np.pi) if quantity in HEADINGS else (next(iter(QUANTITIES[quantity].units)), 1.0)
+        column = f"column {heading!r}, {unit}" + ("" if factor == 1 or quantity in HEADINGS else f" x {factor:.6g}")
+        values = span(record.values[quantity], unit_si, scale)
+        rows.append((quantity.replace("_", " "), f"{values}, {np.isfinite(record.values[quantity]).sum()} values ({column})"))
+    headings = [q for q in HEADINGS if q in record.values]
+    if headings:
+        rows.append(("directions", "of propagation, 0 towards +x (east), counter-clockwise"))
+    return rows
+
+
+_WRONG = {
+    "missing": "blank or marked as missing",
+    "sentinel": "numbers that stand for missing ones (such as -999)",
+    "out_of_range": "beyond belief",
+    "unreadable": "no numbers",
+}
+
+
+def metocean_problems(record: Metocean) -> list[str]:
+    """Return everything that is wrong with a record, with counts, and what was assumed."""
+    r, out = record.report, []
+    for quantity, *_ in r.columns:
+        count = {what: getattr(r, what)[quantity] for what in _WRONG}
+        known = QUANTITIES[quantity]
+        limits = f" (below {known.low:g} or above {known.high:g} {next(iter(known.units))})" if quantity not in HEADINGS else ""
+        out += [
+            f"{quantity.replace('_', ' ')}: {n} values {_WRONG[what]}{limits if what == 'out_of_range' else ''}, taken as missing"
+            for what, n in count.items() if n
+        ]  # fmt: skip
+        empty = np.flatnonzero(np.isnan(record.values[quantity]))
+        if len(empty):
+            out[-1] += f"; the first at {_day(record.time[empty[0]])}"
+    rows = {
+        "have no time that can be read, left out": r.bad_times,
+        "repeat another row, left out": r.duplicates,
+        "contradict another row of the same time, whose value is taken as missing": r.conflicting,
+        "stand before an earlier one, put in order": r.unsorted,
+    }
+    out += [f"{n} {'row' if n == 1 else 'rows'}: {text}" for text, n in rows.items() if n]
+    if r.gaps:
+        steps = np.diff(record.time)
+        longest = ", ".join(f"{_day(record.time[k])} to {_day(record.time[k + 1])}" for k in np.argsort(-steps)[: min(3, r.gaps)])
+        out.append(f"{r.gaps} gaps, {r.missing_steps} steps missing; the longest: {longest}")
+    return out + [f"assumed: {note}" for note in r.notes]
+
+
+def _day(time: np.datetime64) -> str:
+    return str(np.datetime_as_string(time, unit="m")).replace("T", " ")
 
 
 METOCEAN = Format(
@@ -320,4 +354,5 @@ METOCEAN = Format(
     recognises=_recognises,
     read=read_metocean,
     describe=_describe,
+    problems=metocean_problems,
 )

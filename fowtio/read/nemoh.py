@@ -18,13 +18,14 @@ from fowtio.read.hydro_common import (
     check_damping,
     coefficients,
     describe_hydro,
+    hydro_problems,
     number_at,
     number_table,
     phase_to_origin,
     stiffness_about,
     wave_number,
 )
-from fowtio.read.registry import Format
+from fowtio.read.registry import Format, SeveralBodies
 from fowtio.read.text import numbers, read_lines
 from model.system.hydro import HydroCoefficients
 
@@ -173,7 +174,7 @@ def _mode(cal: _Cal, row: list[float]) -> int:
 def _place(folder: Path, case: dict, body: int | None) -> int:
     count = len(case["bodies"])
     if body is None and count > 1:
-        raise FormatError(folder, expected="one body", found=f"{count}", hint="Choose with body=1, 2, ...")
+        raise SeveralBodies(folder, [str(k + 1) for k in range(count)])
     place = (body or 1) - 1
     if not 0 <= place < count:
         raise FormatError(folder, expected=f"body {body}", found=f"{count} bodies")
@@ -323,4 +324,4 @@ def _recognises(path, head: bytes) -> bool:
     )
 
 
-NEMOH = Format(name="Nemoh result folder", recognises=_recognises, read=read_nemoh, describe=describe_hydro)
+NEMOH = Format(name="Nemoh result folder", recognises=_recognises, read=read_nemoh, describe=describe_hydro, problems=hydro_problems)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from fowtio.errors import FormatError
 from fowtio.read.elastodyn import ElastoDyn, read_elastodyn
+from fowtio.read.hydro_any import hydro_options, read_hydro
 from fowtio.read.hydrodyn import HydroDyn, ballast, read_hydrodyn
 from fowtio.read.inflowwind import InflowWind, read_inflowwind
 from fowtio.read.map import map_mooring, read_map
@@ -21,6 +23,7 @@ from model.system.hydro import HydroCoefficients
 from model.system.mooring import MooringSystem
 from model.system.turbine import RigidBody
 
+SAME_WATER = 0.01  # of density, gravity and depth: coefficients are proportional to the first two
 STANDARD_GRAVITY = 9.80665  # m/s2; for an ElastoDyn file read without its primary file
 _MODULES = {
     "NRotors": ({}, {1}),
@@ -79,15 +82,15 @@ def read_deck(path: str | Path) -> Deck:
         raise FormatError(path, expected="an OpenFAST primary file (.fst) with EDFile", found="none")
     for name, (known, allow) in _MODULES.items():
         _refuse(primary, name, known, allow)
-    elasto_path = primary.file("EDFile")
-    gravity = primary.number("Gravity") if primary.has("Gravity") else read_input(elasto_path).number("Gravity")
-    elastodyn = read_elastodyn(elasto_path, gravity)
-    hydrodyn, sea, wet_files = _water_modules(primary)
-    depth, density = _water(primary, sea)
+    errors = _Errors()
+    gravity, elastodyn = errors.get(lambda: _turbine(primary), (STANDARD_GRAVITY, None))
+    hydrodyn, sea, wet_files = errors.get(lambda: _water_modules(primary), (None, None, []))
+    depth, density = errors.get(lambda: _water(primary, sea), (np.inf, 1025.0))
+    mooring, mooring_path = errors.get(lambda: _mooring(primary, depth, gravity, density, errors), (None, None))
+    inflow = errors.get(lambda: _inflow(primary))
+    errors.raise_all()
     if hydrodyn is not None:
         elastodyn = _with_ballast(elastodyn, ballast(hydrodyn, density))
-    mooring, mooring_path = _mooring(primary, depth, gravity, density)
-    inflow = read_inflowwind(primary.file("InflowFile")) if primary.integer("CompInflow", 0) == 1 else None
     files = [path, *elastodyn.files, *wet_files, mooring_path, inflow.path if inflow else None]
     notes = hydrodyn.notes if hydrodyn is not None else ()
     if primary.integer("CompElast", 1) == 2:
@@ -110,6 +113,49 @@ def read_deck(path: str | Path) -> Deck:
         inflow=inflow,
         notes=notes,
     )
+
+
+class DeckError(FormatError):
+    """Several files of a deck that cannot be read; errors are theirs, path and line those of the first."""
+
+    def __init__(self, errors: list[FormatError]):
+        first = errors[0]
+        super().__init__(first.path, first.line, first.expected, first.found, first.hint)
+        self.errors = tuple(errors)
+        self.args = ("\n".join(str(e) for e in errors),)
+
+
+class _Errors:
+    """Collects the errors of the files of a deck, so that all are said at once."""
+
+    def __init__(self):
+        self.found: list[FormatError] = []
+
+    def get(self, read: Callable, default=None):
+        """Return what read() gives, or the default when it raises FormatError."""
+        try:
+            return read()
+        except FormatError as error:
+            self.found.append(error)
+            return default
+
+    def raise_all(self) -> None:
+        """Raise what was collected, one error as it is."""
+        if len(self.found) == 1:
+            raise self.found[0]
+        if self.found:
+            raise DeckError(self.found)
+
+
+def _turbine(primary: InputFile) -> tuple[float, ElastoDyn]:
+    """Return gravity, of the primary file or (OpenFAST 2) of ElastoDyn's, and ElastoDyn."""
+    path = primary.file("EDFile")
+    gravity = primary.number("Gravity") if primary.has("Gravity") else read_input(path).number("Gravity")
+    return gravity, read_elastodyn(path, gravity)
+
+
+def _inflow(primary: InputFile) -> InflowWind | None:
+    return read_inflowwind(primary.file("InflowFile")) if primary.integer("CompInflow", 0) == 1 else None
 
 
 def _water_modules(primary: InputFile) -> tuple[HydroDyn | None, DeckSea | None, list[Path]]:
@@ -158,21 +204,47 @@ def _with_ballast(elastodyn: ElastoDyn, body: RigidBody | None) -> ElastoDyn:
     return replace(elastodyn, structure=replace(elastodyn.structure, platform=joint))
 
 
-def deck_hydro(deck: Deck, stem: Path | None = None) -> HydroCoefficients:
-    """Return the hydrodynamic coefficients that the deck's HydroDyn names, or those of another stem, with its scales.
+def deck_hydro(deck: Deck, path: Path | None = None) -> HydroCoefficients:
+    """Return the hydrodynamic coefficients that the deck's HydroDyn names, or those of any other file, folder or stem.
 
-    The displaced volume and centre of buoyancy come from HydroDyn (PtfmVol0); raise FormatError.
+    WAMIT files take density, gravity and depth from the deck, and the length scale WAMITULEN when they are the deck's own
+    (1 m otherwise). Any other format carries its water, which must be the deck's within 1 %, and must have a hydrostatic
+    stiffness. Displaced volume and centre of buoyancy come from the file when it has them, else from HydroDyn (PtfmVol0).
+    Raises FormatError.
     """
     if deck.hydrodyn is None or not deck.hydrodyn.potential_flow:
         raise FormatError(
             deck.path, expected="a deck with HydroDyn and PotMod 1", found="none", hint="Name HydroFile in the study"
         )
-    length = deck.hydrodyn.length_scale if stem is None else 1.0
-    hydro = read_wamit(
-        stem or deck.hydrodyn.coefficients, length=length, density=deck.density, gravity=deck.gravity, depth=deck.depth
-    )
+    water = {"density": deck.density, "gravity": deck.gravity, "depth": deck.depth}
+    if path is None:
+        hydro = read_wamit(deck.hydrodyn.coefficients, length=deck.hydrodyn.length_scale, **water)
+    else:
+        hydro = _other_hydro(deck, Path(path), water)
+    if hydro.volume is not None and hydro.centre_of_buoyancy is not None:
+        return hydro
     cob = np.append(deck.hydrodyn.centre_of_buoyancy, 0.0)
     return replace(hydro, volume=deck.hydrodyn.volume, centre_of_buoyancy=cob)
+
+
+def _other_hydro(deck: Deck, path: Path, water: dict[str, float]) -> HydroCoefficients:
+    """Return the coefficients of a file of any format, which must fit the deck."""
+    known = hydro_options(path)
+    hydro = read_hydro(path, **{name: value for name, value in water.items() if name in known})
+    for name, unit in (("density", "kg/m3"), ("gravity", "m/s2"), ("depth", "m")):
+        own, wanted = getattr(hydro, name), water[name]
+        if own != wanted and not abs(own - wanted) <= SAME_WATER * wanted:
+            raise FormatError(
+                path, expected=f"coefficients for the deck's {name}, {wanted:g} {unit}", found=f"{own:g} {unit}",
+                hint=f"The deck is {deck.path}; repeat the run of the coefficients with its water, or name the other deck",
+            )  # fmt: skip
+    if hydro.hydrostatic_stiffness is None:
+        raise FormatError(
+            path, expected="a hydrostatic stiffness", found="none",
+            hint="A WAMIT set needs its .hst; a Capytaine file needs hydrostatics with the centre of mass; fowtio convert "
+            "with --mass and --centre gives a file that has it",
+        )  # fmt: skip
+    return hydro
 
 
 def _water(primary: InputFile, sea: DeckSea | None) -> tuple[float, float]:
@@ -198,7 +270,8 @@ def _water(primary: InputFile, sea: DeckSea | None) -> tuple[float, float]:
     return depth if depth is not None else np.inf, density if density is not None else 1025.0
 
 
-def _mooring(primary: InputFile, depth, gravity, density) -> tuple[MooringSystem | None, Path | None]:
+def _mooring(primary: InputFile, depth, gravity, density, errors) -> tuple[MooringSystem | None, Path | None]:
+    """Return the mooring system and its file; without the water, which an error of another file hides, only its form is read."""
     kind = primary.integer("CompMooring", 0)
     if kind == 0:
         return None, None
@@ -211,6 +284,9 @@ def _mooring(primary: InputFile, depth, gravity, density) -> tuple[MooringSystem
             found=f"{kind} ({name})",
         )
     path = primary.file("MooringFile")
+    if errors.found:
+        (read_map if kind == 1 else read_moordyn)(path)
+        return None, path
     if kind == 1:
         return map_mooring(read_map(path), depth=depth, gravity=gravity, density=density), path
     return moordyn_mooring(read_moordyn(path), depth=depth, gravity=gravity, density=density), path
@@ -251,8 +327,13 @@ def _describe_deck(deck: Deck) -> list[tuple[str, str]]:
         ("wind", f"{deck.inflow.kind}, {deck.inflow.speed} m/s" if deck.inflow else "none"),
         ("moorings", f"{len(deck.mooring.line_names)} lines ({deck.mooring_path.name})" if deck.mooring else "none"),
         ("files", ", ".join(f.name for f in deck.files)),
-        *(("simplified", note) for note in deck.notes),
     ]
+
+
+def _deck_problems(deck: Deck) -> list[str]:
+    """Return what of the deck is simplified or not modelled."""
+    current = deck.sea is not None and deck.sea.current
+    return [*(f"simplified: {note}" for note in deck.notes), *(["the current is not modelled"] if current else [])]
 
 
 def _describe_elastodyn(deck: ElastoDyn) -> list[tuple[str, str]]:
@@ -306,7 +387,8 @@ def _describe_inflow(wind: InflowWind) -> list[tuple[str, str]]:
 
 
 OPENFAST_DECK = Format(
-    name="OpenFAST deck (.fst)", recognises=_with("EDFile", "CompElast"), read=read_deck, describe=_describe_deck
+    name="OpenFAST deck (.fst)", recognises=_with("EDFile", "CompElast"), read=read_deck, describe=_describe_deck,
+    problems=_deck_problems,
 )  # fmt: skip
 ELASTODYN = Format(
     name="ElastoDyn input file",

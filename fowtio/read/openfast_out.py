@@ -198,17 +198,33 @@ def _recognises(path, head: bytes) -> bool:
     return len(units) == len(_columns(lines[at])) and units[0].strip("()[]").lower() in ("s", "sec")
 
 
-def _describe(series: TimeSeries) -> list[tuple[str, str]]:
+def describe_series(series: TimeSeries) -> list[tuple[str, str]]:
+    """Return what a time series holds, as (label, text) rows."""
     step = float(np.median(np.diff(series.time))) if len(series.time) > 1 else 0.0
     names = ", ".join(f"{n} ({u})" if u else n for n, u in zip(series.names[:8], series.units, strict=False))
-    rows = [
-        ("time", f"{series.time[0]:g} to {series.time[-1]:g} s, {len(series.time)} steps of {step:g} s"),
+    return [
+        ("time", f"{series.time[0]:g} to {series.time[-1]:g} s, {len(series.time)} samples, step {step:g} s"),
         ("channels", f"{len(series.names)}: {names}" + (", ..." if len(series.names) > 8 else "")),
         ("description", series.description or "none"),
     ]
-    return rows + ([("behind the last step", f"{series.trailing_bytes} bytes")] if series.trailing_bytes else [])
+
+
+def series_problems(series: TimeSeries) -> list[str]:
+    """Return what is doubtful in a time series: bytes behind its end, steps that vary, channels without units."""
+    out, steps = [], np.diff(series.time)
+    if series.trailing_bytes:
+        out.append(
+            f"{series.trailing_bytes} bytes behind the last sample that the header counts: written over a longer file?"
+        )
+    if len(steps) and np.ptp(steps) > 1e-3 * np.median(steps):
+        out.append(f"the time step varies from {steps.min():g} to {steps.max():g} s")
+    bare = [n for n, u in zip(series.names, series.units, strict=True) if not u]
+    if bare:
+        out.append(f"{len(bare)} channels without a unit: {', '.join(bare[:6])}{', ...' if len(bare) > 6 else ''}")
+    return out
 
 
 OPENFAST_OUT = Format(
-    name="OpenFAST time series (.outb, .out)", recognises=_recognises, read=read_openfast_out, describe=_describe
+    name="OpenFAST time series (.outb, .out)", recognises=_recognises, read=read_openfast_out,
+    describe=describe_series, problems=series_problems,
 )

@@ -19,6 +19,7 @@ from fowtio.read.hydro_common import (
     choose_body,
     coefficients,
     describe_hydro,
+    hydro_problems,
     phase_to_origin,
     wave_number,
 )
@@ -327,5 +328,5 @@ def _recognises(path, head: bytes) -> bool:
 
 
 ORCAFLEX = Format(
-    name="OrcaFlex vessel type (.yml)", recognises=_recognises, read=read_orcaflex, describe=describe_hydro
+    name="OrcaFlex vessel type (.yml)", recognises=_recognises, read=read_orcaflex, describe=describe_hydro, problems=hydro_problems
 )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -17,13 +17,35 @@ class Format:
 
     name as people call it; recognises(path, head) tells by content (head: the first 64 kB) and, only where content
     cannot tell, by suffix; read(path) returns typed data or raises FormatError; describe(data) returns what it holds as
-    (label, text) rows: counts, ranges, units, conventions.
+    (label, text) rows: counts, ranges, units, conventions; problems(data) returns what is doubtful or missing in data
+    that can be read all the same.
     """
 
     name: str
     recognises: Callable[[Path, bytes], bool]
     read: Callable[[Path], Any]
     describe: Callable[[Any], list[tuple[str, str]]]
+    problems: Callable[[Any], list[str]] = lambda data: []
+
+
+class SeveralBodies(FormatError):
+    """A file of several bodies of which none was chosen; names are the bodies', in the order of the file."""
+
+    def __init__(self, path, names: Sequence[str], line: int | None = None, found: str = "", what: str = "body"):
+        self.names = tuple(map(str, names))
+        listing = ", ".join(f"{k}: {name}" if name != str(k) else name for k, name in enumerate(self.names, start=1))
+        hint = f"Choose with body=... (--body on the command line): {listing}"
+        super().__init__(path, line, expected=f"one {what}", found=found or f"{len(self.names)}: {listing}", hint=hint)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inspection:
+    """What a file is and holds: the name of its format, (label, text) rows and problems."""
+
+    path: Path
+    format: str
+    rows: tuple[tuple[str, str], ...]
+    problems: tuple[str, ...]
 
 
 MODULES = (
@@ -46,6 +68,24 @@ MODULES = (
     "openfast_input",
     "metocean",
 )
+_BY_SUFFIX = {
+    ".fst": "openfast_deck:OPENFAST_DECK", ".lin": "openfast_lin:OPENFAST_LIN", ".outb": "openfast_out:OPENFAST_OUT",
+    ".out": "openfast_out:OPENFAST_OUT", ".bts": "turbsim:TURBSIM", ".1": "wamit:WAMIT_RADIATION",
+    ".2": "wamit:WAMIT_EXCITATION", ".3": "wamit:WAMIT_EXCITATION", ".hst": "wamit:WAMIT_HYDROSTATICS",
+    ".4": "wamit_extra:WAMIT_MOTION", ".8": "wamit_extra:WAMIT_DRIFT", ".9": "wamit_extra:WAMIT_DRIFT",
+    ".12d": "wamit_extra:WAMIT_SECOND_ORDER", ".12s": "wamit_extra:WAMIT_SECOND_ORDER", ".ah1": "aqwa:AQWA_AH1",
+    ".lis": "aqwa_lis:AQWA_LIS", ".yml": "orcaflex:ORCAFLEX", ".csv": "metocean:METOCEAN", ".tsv": "metocean:METOCEAN",
+    ".xlsx": "metocean:METOCEAN",
+}  # fmt: skip
+_UNREAD = {
+    ".qtf": "AQWA's second-order forces (.QTF) are not read",
+    ".sum": "Summaries are not read; give the file that the summary tells of",
+    ".gdf": "Panel meshes are not read; give the results of the run",
+    ".sim": "OrcaFlex's binary files are not read; export the vessel type as text (.yml)",
+    ".owr": "OrcaWave's binary results are not read; export them as text (.yml)",
+    ".mat": "Matlab files are not read; export them as CSV or netCDF",
+    ".h5": "BEMIO's HDF5 files are not read; give the files that they were made of",
+}
 _MAGIC = {"capytaine": (b"CDF", b"\x89HDF")}  # imported only for files that begin so: its libraries are slow to import
 INTERNAL = (
     "registry",
@@ -70,7 +110,10 @@ def formats() -> tuple[Format, ...]:
 
 
 def recognise(path: str | Path) -> Format:
-    """Return the format of a file, folder or stem of a set, told by content; raise FormatError when it is none."""
+    """Return the format of a file, folder or stem of a set, told by content; raise FormatError when it is none.
+
+    Where the content tells nothing (a damaged file, or another kind) the suffix does, so that the reader says what is wrong.
+    """
     path = Path(path)
     head = _head(path)
     for module in MODULES:
@@ -80,9 +123,38 @@ def recognise(path: str | Path) -> Format:
             if own.recognises(path, head):
                 return own
     if not path.exists():
-        raise FormatError(path, hint="The file does not exist; check its name and folder")
-    names = ", ".join(f.name for f in formats())
-    raise FormatError(path, expected="a file of a known format", found=repr(head[:40]), hint=f"Known: {names}")
+        raise FormatError(path, hint="The file does not exist, nor a set of that stem; check its name and folder")
+    if path.suffix.lower() in _BY_SUFFIX and path.is_file():
+        return _by_suffix(path.suffix.lower())
+    raise _unknown(path, head)
+
+
+def _by_suffix(suffix: str) -> Format:
+    """Return the format that a suffix promises, its reader adding that to what it has to say."""
+    module, _, constant = _BY_SUFFIX[suffix].partition(":")
+    own = getattr(import_module(f"{__package__}.{module}"), constant)
+
+    def read(path):
+        try:
+            return own.read(path)
+        except FormatError as error:
+            doubt = f"The content is of no known format; it was read as {own.name} because of its suffix"
+            hint = f"{error.hint.rstrip('.')}. {doubt}" if error.hint else doubt
+            raise FormatError(error.path, error.line, error.expected, error.found, hint) from None
+
+    return replace(own, read=read)
+
+
+def _unknown(path: Path, head: bytes) -> FormatError:
+    """Return the error of a file or folder of no known format: what it begins with, and what was tried."""
+    names = f"Tried by content: {', '.join(f.name for f in formats())}"
+    if path.is_dir():
+        return FormatError(path, expected="a folder of Nemoh results (with Nemoh.cal)", found="a folder without it", hint="Name a file in it")
+    if not head:
+        return FormatError(path, expected="a file of a known format", found="an empty file")
+    begin = next((line.strip() for line in head_lines(head) if line.strip()), "") or f"binary data, {head[:12]!r}"
+    unread = _UNREAD.get(path.suffix.lower(), "")
+    return FormatError(path, expected="a file of a known format", found=begin, hint=unread or names)
 
 
 def read_any(path: str | Path) -> Any:
@@ -90,10 +162,37 @@ def read_any(path: str | Path) -> Any:
     return recognise(path).read(Path(path))
 
 
+def inspect(path: str | Path) -> Inspection:
+    """Return what any supported file is and holds, every body of a file of several; raise FormatError."""
+    path = Path(path)
+    own = recognise(path)
+    try:
+        data = own.read(path)
+    except SeveralBodies as several:
+        rows, problems = _every_body(own, path, several.names)
+    else:
+        rows, problems = own.describe(data), own.problems(data)
+    return Inspection(path=path, format=own.name, rows=tuple(rows), problems=tuple(problems))
+
+
+def _every_body(own: Format, path: Path, names: Sequence[str]) -> tuple[list, list[str]]:
+    """Return rows and problems of a file of several bodies, one body after another."""
+    rows, problems = [("bodies", f"{len(names)}: {', '.join(names)}; one at a time is read (body, --body)")], []
+    for k in range(1, len(names) + 1):
+        try:
+            data = own.read(path, body=k)
+        except FormatError as error:
+            problems.append(f"body {k}: {error}")
+            continue
+        rows += [(f"body {k}: {label}", text) for label, text in own.describe(data)]
+        problems += [f"body {k}: {text}" for text in own.problems(data)]
+    return rows, problems
+
+
 def describe(path: str | Path) -> list[tuple[str, str]]:
     """Return what any supported file is and holds, as (label, text) rows; raise FormatError."""
-    own = recognise(path)
-    return [("format", own.name), *own.describe(own.read(Path(path)))]
+    found = inspect(path)
+    return [("format", found.format), *found.rows, *(("problem", text) for text in found.problems)]
 
 
 def formats_of(module: str) -> tuple[Format, ...]:
@@ -125,4 +224,7 @@ def head_lines(head: bytes) -> list[str]:
 def span(values, unit: str, factor: float = 1.0) -> str:
     """Return the range of finite values as text, such as '0 to 60 s'; 'none' when there are none."""
     finite = [float(v) * factor for v in values if v == v]
-    return f"{min(finite):.6g} to {max(finite):.6g} {unit}".strip() if finite else "none"
+    if not finite:
+        return "none"
+    low, high = f"{min(finite):.6g}", f"{max(finite):.6g}"
+    return f"{low if low == high else f'{low} to {high}'} {unit}".strip()

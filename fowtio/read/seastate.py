@@ -8,6 +8,7 @@ import numpy as np
 
 from fowtio.errors import FormatError
 from fowtio.read.openfast_input import InputFile
+from model.environment.current import Current
 from model.environment.sea import SeaState, default_gamma
 
 _REGULAR, _IRREGULAR, _WHITE_NOISE = 1, 2, 3
@@ -16,7 +17,8 @@ _REGULAR, _IRREGULAR, _WHITE_NOISE = 1, 2, 3
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DeckSea:
     """What a deck says of the water: the sea (None when fowtio has no such kind), density [kg/m3] and depth [m] (None
-    when left to the primary file), a still-water level offset [m], and whether a current is defined.
+    when left to the primary file), a still-water level offset [m], and the current (its depth left to the primary file; None when
+    there is none).
     """
 
     sea: SeaState | None
@@ -24,7 +26,7 @@ class DeckSea:
     density: float | None
     depth: float | None
     level_offset: float
-    current: bool
+    current: Current | None
 
 
 def deck_sea(deck: InputFile) -> DeckSea:
@@ -54,8 +56,27 @@ def deck_sea(deck: InputFile) -> DeckSea:
         )
     return DeckSea(
         sea=sea, wave_model=model, density=deck.number("WtrDens", None), depth=deck.number("WtrDpth", None),
-        level_offset=deck.number("MSL2SWL", 0.0), current=deck.has("CurrMod") and deck.integer("CurrMod", 0) != 0,
+        level_offset=deck.number("MSL2SWL", 0.0), current=_current(deck),
     )  # fmt: skip
+
+
+def _current(deck: InputFile) -> Current | None:
+    """Return the standard current profile (CurrMod 1); refuse one defined by a user's routine."""
+    mode = deck.integer("CurrMod", 0) if deck.has("CurrMod") else 0
+    if mode == 0:
+        return None
+    if mode != 1:
+        raise FormatError(deck.path, deck.line("CurrMod"), expected="CurrMod 0 or 1", found=deck.text("CurrMod"))
+    waves = deck.number("WaveDir", 0.0)
+    out = Current(
+        sub_surface=deck.number("CurrSSV0"), sub_surface_heading=np.radians(deck.number("CurrSSDir", waves)),
+        near_surface=deck.number("CurrNSV0"), near_surface_depth=deck.number("CurrNSRef"),
+        near_surface_heading=np.radians(deck.number("CurrNSDir")), depth_independent=deck.number("CurrDIV"),
+        depth_independent_heading=np.radians(deck.number("CurrDIDir")),
+    )  # fmt: skip
+    if out.near_surface and out.near_surface_depth <= 0:
+        raise FormatError(deck.path, deck.line("CurrNSRef"), expected="a depth above zero", found=deck.text("CurrNSRef"))
+    return None if out.still else out
 
 
 def _spreading(deck: InputFile) -> float:

@@ -80,21 +80,33 @@ def number_rows(path: Path, lines: Sequence[str], first: int, widths: Sequence[i
     """Return the numbers of consecutive table lines, skipping blank ones.
 
     first is the line number (from 1) of lines[0]; widths are the allowed numbers of columns; what names a row
-    in the message. Raises FormatError at the first bad line.
+    in the message. Raises FormatError at the first bad line, naming the others.
     """
-    rows = []
+    rows, bad = [], []
     for offset, line in enumerate(lines):
         if not line.strip():
             continue
         try:
-            row = numbers(line)
+            row, wrong = numbers(line), ""
         except ValueError as error:
-            raise FormatError(path, first + offset, expected=what, found=line, hint=str(error)) from None
-        if len(row) not in widths:
-            wanted = " or ".join(str(w) for w in widths)
-            raise FormatError(path, first + offset, expected=f"{what} ({wanted} columns)", found=line)
+            row, wrong = [], str(error)
+        if wrong or len(row) not in widths:
+            bad.append((first + offset, line, wrong))
         rows.append(row)
+    if bad:
+        at, line, wrong = bad[0]
+        columns = " or ".join(str(w) for w in widths)
+        raise FormatError(
+            path, at, expected=what if wrong else f"{what} ({columns} columns)", found=line, hint=_further(wrong, bad[1:])
+        )
     return rows
+
+
+def _further(hint: str, bad: list) -> str:
+    """Return a hint with the numbers of further bad lines."""
+    listed = ", ".join(str(line) for line, *_ in bad[:8]) + (", ..." if len(bad) > 8 else "")
+    more = f"{len(bad)} more such {'line' if len(bad) == 1 else 'lines'}: {listed}" if bad else ""
+    return "; ".join(text for text in (hint, more) if text)
 
 
 def number_table(path: Path, lines: Sequence[str], first: int, width: int, what: str) -> np.ndarray:

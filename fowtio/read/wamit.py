@@ -13,15 +13,14 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.hydro_common import check_damping, coefficients, describe_hydro, number_table, without_weight
-from fowtio.read.registry import Format
+from fowtio.read.hydro_common import check_damping, coefficients, describe_hydro, hydro_problems, number_table, without_weight
+from fowtio.read.registry import Format, SeveralBodies, span
 from fowtio.read.text import read_lines
 from model.system.hydro import HydroCoefficients
 
 SUFFIXES = (".1", ".2", ".3", ".hst")
 FREQUENCIES = ("period", "omega")
 _ROTATIONS = np.array([0, 0, 0, 1, 1, 1])
-_SIX = "Modes above 6 are further bodies or flexible modes; choose a body with body=..."
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -224,13 +223,14 @@ def choose_modes(path, table, lines, columns, body: int | None) -> tuple[np.ndar
     if body is None:
         if modes.max() > 6:
             k = int(np.argmax(modes.max(axis=1) > 6))
-            raise FormatError(path, lines[k], expected="a mode from 1 to 6", found=f"{modes[k].max():g}", hint=_SIX)
+            bodies = [str(n + 1) for n in range(int(np.ceil(modes.max() / 6)))]
+            raise SeveralBodies(path, bodies, lines[k], f"mode {modes[k].max():g}", "body (modes 1 to 6)")
         return table, lines
     own = np.all((modes > 6 * (body - 1)) & (modes <= 6 * body), axis=1)
     if not np.any(own):
-        last = int(np.ceil(modes.max() / 6))
+        found = ", ".join(str(int(n)) for n in np.unique(np.ceil(modes / 6)))
         raise FormatError(
-            path, expected=f"modes {6 * body - 5} to {6 * body} of body {body}", found=f"bodies up to {last}"
+            path, expected=f"modes {6 * body - 5} to {6 * body} of body {body}", found=f"modes of body {found} only"
         )
     table = table[own]
     table[:, columns] -= 6 * (body - 1)
@@ -295,9 +295,8 @@ def _member(stem: Path, suffix: str) -> Path:
 def _describe_radiation(data: WamitRadiation) -> list[tuple[str, str]]:
     finite = data.period[data.period > 0]
     limits = [name for name, mask in (("zero", data.period < 0), ("infinite", data.period == 0)) if np.any(mask)]
-    span = f"{len(finite)}, {finite.min():.4g} to {finite.max():.4g} s" if len(finite) else "none"
     return [
-        ("periods", span),
+        ("periods", f"{len(finite)}, {span(finite, 's')}" if len(finite) else "none"),
         ("limits", " and ".join(limits) or "none"),
         ("convention", "non-dimensional (density, ULEN, omega)"),
     ]
@@ -305,8 +304,8 @@ def _describe_radiation(data: WamitRadiation) -> list[tuple[str, str]]:
 
 def _describe_excitation(data: WamitExcitation) -> list[tuple[str, str]]:
     return [
-        ("periods", f"{len(data.period)}, {data.period.min():.4g} to {data.period.max():.4g} s"),
-        ("headings", f"{len(data.heading)}, {data.heading[0]:.4g} to {data.heading[-1]:.4g} deg"),
+        ("periods", f"{len(data.period)}, {span(data.period, 's')}"),
+        ("headings", f"{len(data.heading)}, {span(data.heading, 'deg')}"),
         ("convention", "non-dimensional (density, gravity, ULEN), e^{+i omega t}, crest at the origin"),
     ]
 
@@ -343,5 +342,5 @@ WAMIT_HYDROSTATICS = Format(
 WAMIT_SET = Format(
     name="WAMIT set (.1, .3, .hst by their stem)",
     recognises=lambda path, head: not Path(path).exists() and _member(Path(path), ".1").is_file(),
-    read=read_wamit, describe=describe_hydro,
+    read=read_wamit, describe=describe_hydro, problems=hydro_problems,
 )  # fmt: skip

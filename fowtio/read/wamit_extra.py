@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.registry import Format
+from fowtio.read.registry import Format, span
 from fowtio.read.wamit import as_period, check_polar, numeric_head, wamit_table
 
 
@@ -143,12 +143,12 @@ def _complete(path, values: np.ndarray, what: str) -> None:
 
 def _describe(data) -> list[tuple[str, str]]:
     rows = [
-        ("periods", f"{len(data.period)}, {data.period.min():.4g} to {data.period.max():.4g} s"),
+        ("periods", f"{len(data.period)}, {span(data.period, 's')}"),
         ("modes", ", ".join(map(str, data.modes))),
         ("convention", "non-dimensional, e^{+i omega t}, crest at the origin"),
     ]
     if isinstance(data, WamitMotion):
-        return [*rows, ("headings", f"{len(data.heading)}, {data.heading[0]:g} to {data.heading[-1]:g} deg")]
+        return [*rows, ("headings", f"{len(data.heading)}, {span(data.heading, 'deg')}")]
     rows.append(("pairs of headings", f"{len(data.headings)}"))
     if isinstance(data, WamitSecondOrder):
         given = np.count_nonzero(~np.isnan(data.force)) / data.force.size

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.hydro_common import coefficients, describe_hydro, number_at, number_table, without_weight
-from fowtio.read.registry import Format
+from fowtio.read.hydro_common import coefficients, describe_hydro, hydro_problems, number_at, number_table, without_weight
+from fowtio.read.registry import Format, SeveralBodies
 from fowtio.read.text import numbers, read_lines
 from fowtio.read.wamit import (
     WamitExcitation,
@@ -243,7 +243,7 @@ def _headings(path, lines, start: int, last: int, body) -> dict[float, np.ndarra
 
 def _body_place(path, bodies, body) -> int:
     if len(bodies) > 1 and body is None:
-        raise FormatError(path, expected="one body", found=f"{len(bodies)}", hint="Choose with body=1, 2, ...")
+        raise SeveralBodies(path, [str(k + 1) for k in range(len(bodies))])
     if body is not None and not 1 <= body <= len(bodies):
         raise FormatError(path, expected=f"body {body}", found=f"{len(bodies)} bodies")
     return (body or 1) - 1
@@ -268,5 +268,5 @@ WAMIT_OUTPUT = Format(
     name="WAMIT .out (formatted output)",
     recognises=lambda path, head: b"WAMIT" in head and b"Period       Time" in head,
     read=read_wamit_out,
-    describe=describe_hydro,
+    describe=describe_hydro, problems=hydro_problems,
 )

@@ -25,7 +25,8 @@ class System:
     """The assembled model of a floating turbine for any number q of degrees of freedom.
 
     dofs (q); the constant parts, moorings not among them; turbine (for its wind force and loads); hydro; drag;
-    mooring (None for a free floater); quadratic_damping (6, 6); wind_force (q) per m/s, gradient_force (2, q) per (m/s)/m.
+    mooring (None for a free floater); quadratic_damping (6, 6); wind_force (q) per m/s, gradient_force (2, q) per (m/s)/m;
+    current (s, 3) [m/s] at the drag elements, None without.
     """
 
     dofs: tuple[str, ...]
@@ -37,6 +38,7 @@ class System:
     wind_force: np.ndarray
     gradient_force: np.ndarray
     quadratic_damping: np.ndarray
+    current: np.ndarray | None = None
 
     def __post_init__(self):
         q = len(self.dofs)
@@ -95,6 +97,7 @@ def assemble(
     drag: DragMembers,
     mooring: MooringSystem | None,
     quadratic_damping=None,
+    current=None,
 ) -> System:
     """Return the model in the degrees of freedom named, all others locked.
 
@@ -109,7 +112,7 @@ def assemble(
     return System(
         dofs=tuple(dofs), parts=tuple(widen(p, dofs) for p in parts), turbine=turbine, hydro=hydro, drag=drag,
         mooring=mooring, wind_force=winds[0], gradient_force=winds[1:],
-        quadratic_damping=np.zeros((6, 6)) if quadratic_damping is None else quadratic_damping,
+        quadratic_damping=np.zeros((6, 6)) if quadratic_damping is None else quadratic_damping, current=current,
     )  # fmt: skip
 
 

@@ -121,8 +121,9 @@ def _solve_part(system, mean, grid: Grid, waves, wind, gradient, calm: bool, dra
         force = _forces(system, part, here, rows, calm, bool(np.any(gradient)))
         winds = np.stack([wind, gradient, gradient], axis=1)[:, :, places] * step
         problem = drag_problem(
-            system.drag, part.directions, part.water, omega, rows, waves[:, :, places] * step, winds, system.quadratic_damping, drag
-        )
+            system.drag, part.directions, part.water, omega, rows, waves[:, :, places] * step, winds, system.quadratic_damping,
+            drag, system.current,
+        )  # fmt: skip
         if not problem.active:
             solution, damping = np.repeat(np.linalg.solve(dynamic, force), len(waves), axis=0), np.zeros((len(waves), 6, 6))
         elif places is coarse:

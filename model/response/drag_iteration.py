@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.system.drag import DragMembers, borgman_coefficients, element_motion, linear_drag
+from model.system.drag import DragMembers, borgman_coefficients, element_motion, linear_drag, mean_flow_coefficients
 
 MODELS = ("relative", "body", "global", "none")
 
@@ -21,7 +21,8 @@ class DragProblem:
 
     members; motion (e, 2, 6) of the elements along their resisted directions; water (m, 2 e, n) the water's velocity along them per
     metre of wave amplitude, zero unless drag is relative; omega (n); rows (p) of the platform motions that are kept; weights of the
-    wave spectra (s, m, n) and wind inputs (s, w, n), spectrum times step; quadratic (6, 6) damping; model, one of MODELS.
+    wave spectra (s, m, n) and wind inputs (s, w, n), spectrum times step; quadratic (6, 6) damping; model, one of MODELS; flow (e, 2) steady current along the resisted
+    directions, None without.
     """
 
     members: DragMembers
@@ -33,6 +34,7 @@ class DragProblem:
     wind_weight: np.ndarray
     quadratic: np.ndarray
     model: str
+    flow: np.ndarray | None = None
 
     @property
     def active(self) -> bool:
@@ -53,15 +55,19 @@ class Linearised:
 
 
 def drag_problem(
-    members: DragMembers, directions, water, omega, rows, wave_weight, wind_weight, quadratic, model: str
+    members: DragMembers, directions, water, omega, rows, wave_weight, wind_weight, quadratic, model: str, current=None
 ) -> DragProblem:
-    """Return the drag problem of some states; see DragProblem for shapes. Raises ValueError for an unknown model."""
+    """Return the drag problem of some states; see DragProblem for shapes.
+
+    current (e, 3) is the steady water velocity at the elements [m/s], None without. Raises ValueError for an unknown model.
+    """
     if model not in MODELS:
         raise ValueError(f"drag model {model!r} is none of {', '.join(MODELS)}")
     moving = np.ascontiguousarray(water if model == "relative" else np.zeros_like(water), dtype=complex)
     return DragProblem(
         members=members, motion=element_motion(members, directions), water=moving, omega=omega, rows=list(rows),
         wave_weight=wave_weight, wind_weight=wind_weight, quadratic=quadratic, model=model,
+        flow=None if current is None or model == "global" else np.einsum("eak,ek->ea", directions, current),
     )  # fmt: skip
 
 
@@ -70,7 +76,7 @@ def at_rest(problem: DragProblem) -> Linearised | None:
     if not np.any(problem.wave_weight) or not np.any(problem.water):
         return None
     own = np.zeros((len(problem.wave_weight), 6))
-    return Linearised(b=borgman_coefficients(_water_covariance(problem)), own=own)
+    return Linearised(b=_borgman(problem, _water_covariance(problem)), own=own)
 
 
 def coefficients(problem: DragProblem, solution: np.ndarray, here) -> Linearised:
@@ -166,6 +172,8 @@ def _assembled(problem: DragProblem, flat: np.ndarray, own: np.ndarray, cross: n
 
 def _borgman(problem: DragProblem, covariance: np.ndarray) -> np.ndarray:
     """Return the elements' coefficients; "global" has one velocity for all strips and one for all end plates."""
+    if problem.flow is not None:
+        return mean_flow_coefficients(covariance, np.broadcast_to(problem.flow, covariance.shape[:-1]))
     if problem.model != "global":
         return borgman_coefficients(covariance)
     out = np.zeros_like(covariance)

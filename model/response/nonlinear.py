@@ -90,14 +90,14 @@ def solve_record(
     keep, omega, here = slice(1, 1 + len(ready.omega)), ready.omega, ready.system.platform
     waves = np.fft.rfft(elevation)[keep]
     force = ready.force * waves[:, None]
-    water = _to_time((ready.water * waves).T, keep, count)
+    water = _to_time(ready.water * waves, keep, count)
     amplitude = np.einsum("kij,kj->ki", ready.receptance, force) if start is None else start
     change = np.inf
     for iterations in range(1, limit + 1):
-        rate = 1j * omega[:, None] * amplitude[:, here]
-        drag = _drag_force(ready.system, ready.motion, water - _to_time(rate, keep, count) @ ready.motion.T)
+        rate = (1j * omega[:, None] * amplitude[:, here]).T
+        drag = _drag_force(ready.system, ready.motion, water - ready.motion @ _to_time(rate, keep, count))
         total = force.copy()
-        total[:, here] += np.fft.rfft(drag, axis=0)[keep] + rate @ ready.damping.T
+        total[:, here] += (np.fft.rfft(drag)[:, keep] + ready.damping @ rate).T
         new = np.einsum("kij,kj->ki", ready.receptance, total)
         size = np.linalg.norm(new, axis=0)
         change = float(np.max(np.linalg.norm(new - amplitude, axis=0) / np.maximum(size, 1e-9 * np.linalg.norm(new))))
@@ -136,18 +136,19 @@ def record_channels(outputs: LinearOutputs, response: RecordResponse, names=None
     index = [outputs.names.index(n) for n in (names or outputs.names)]
     iw, x = 1j * response.omega[:, None], response.amplitude
     amplitude = x @ outputs.position[index].T + iw * (x @ outputs.velocity[index].T) + iw**2 * (x @ outputs.acceleration[index].T)
-    return _to_time(amplitude, slice(1, 1 + len(response.omega)), response.samples)
+    return _to_time(amplitude.T, slice(1, 1 + len(response.omega)), response.samples).T
 
 
 def _drag_force(system: System, motion: np.ndarray, relative: np.ndarray) -> np.ndarray:
-    """Return the drag force (t, r) on the platform motions kept, for relative velocities (t, 2 s) along the resisted directions."""
-    pairs = relative.reshape(len(relative), -1, 2)
-    speed = np.sqrt(pairs[..., 0] ** 2 + pairs[..., 1] ** 2)
-    return ((system.drag.factor * speed)[..., None] * pairs).reshape(len(relative), -1) @ motion
+    """Return the drag force (r, t) on the platform motions kept, for relative velocities (2 s, t) along the resisted directions."""
+    pairs = relative.reshape(len(motion) // 2, 2, -1)
+    speed = np.sqrt(pairs[:, 0] ** 2 + pairs[:, 1] ** 2)
+    speed *= system.drag.factor[:, None]
+    return motion.T @ (speed[:, None] * pairs).reshape(len(motion), -1)
 
 
 def _to_time(amplitude: np.ndarray, keep: slice, count: int) -> np.ndarray:
-    """Return the time series (t, ...) of one-sided Fourier amplitudes (k, ...)."""
-    full = np.zeros((count // 2 + 1, *amplitude.shape[1:]), dtype=complex)
-    full[keep] = amplitude
-    return np.fft.irfft(full, count, axis=0)
+    """Return the time series (..., t) of one-sided Fourier amplitudes (..., k)."""
+    full = np.zeros((*amplitude.shape[:-1], count // 2 + 1), dtype=complex)
+    full[..., keep] = amplitude
+    return np.fft.irfft(full, count)

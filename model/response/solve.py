@@ -210,7 +210,7 @@ def _problem(system: System, drive: Excitation, grid: Grid, drag: str, rows) -> 
     winds = np.stack([drive.wind_spectrum, drive.gradient_spectrum, drive.gradient_spectrum]) * step
     return drag_problem(
         system.drag, grid.directions, grid.water, drive.omega, rows, drive.wave_spectrum[None] * step, winds[None],
-        system.quadratic_damping, drag,
+        system.quadratic_damping, drag, system.current,
     )  # fmt: skip
 
 

@@ -64,6 +64,7 @@ class LineState:
 
     @property
     def flexibility(self) -> np.ndarray:
+        """d(x, z) / d(H, V) of the fairlead (..., 2, 2) [m/N], infinite for a slack line."""
         k = self.stiffness
         det = k[..., 0, 0] * k[..., 1, 1] - k[..., 0, 1] * k[..., 1, 0]
         slack = det == 0

@@ -14,6 +14,9 @@ from model.conventions import freeze, point_motion
 
 _ANGLES = (np.arange(12) + 0.5) * np.pi / 12
 _SQUARES = np.stack([np.cos(_ANGLES) ** 2, np.sin(_ANGLES) ** 2])
+_ROOTS, _ROOT_WEIGHTS = np.polynomial.hermite_e.hermegauss(16)
+_HERMITE = np.stack(np.meshgrid(_ROOTS, _ROOTS, indexing="ij"), axis=-1).reshape(-1, 2)
+_HERMITE_WEIGHT = np.outer(_ROOT_WEIGHTS, _ROOT_WEIGHTS).ravel() / (2 * np.pi)
 _CUBE_MEAN = 3 * np.sqrt(np.pi / 2)
 
 
@@ -82,6 +85,28 @@ def borgman_coefficients(covariance: np.ndarray) -> np.ndarray:
     out[..., 0, 0], out[..., 1, 1] = mean + slope * half, mean - slope * half
     out[..., 0, 1] = out[..., 1, 0] = slope * c12
     return out
+
+
+def mean_flow_coefficients(covariance: np.ndarray, mean: np.ndarray) -> np.ndarray:
+    """Return the linear coefficients (..., 2, 2) of |v| v for v = mean + u, u Gaussian: what multiplies u in the mean square.
+
+    covariance (..., 2, 2) [m2/s2] of u; mean (..., 2) [m/s]. E[|v| v u'] times the inverse covariance, by Gauss-Hermite
+    quadrature in two dimensions. Without a mean it is `borgman_coefficients`; with a mean alone, d(|v| v)/dv.
+    """
+    size = np.trace(covariance, axis1=-2, axis2=-1) + 1e-3 * np.sum(mean**2, axis=-1) + 1e-12
+    root = np.linalg.cholesky(covariance + 1e-6 * size[..., None, None] * np.eye(2))
+    v = mean[..., None, :] + np.einsum("...ij,kj->...ki", root, _HERMITE)
+    force = np.linalg.norm(v, axis=-1, keepdims=True) * v
+    moment = np.einsum("k,...ki,kj->...ij", _HERMITE_WEIGHT, force, _HERMITE)
+    return moment @ np.linalg.inv(root)
+
+
+def steady_drag(members: DragMembers, velocity: np.ndarray) -> np.ndarray:
+    """Return the force (6) on a body at rest in a steady flow with velocity (s, 3) [m/s] at the elements."""
+    directions = resisted_directions(members)
+    along = np.einsum("sak,sk->sa", directions, velocity)
+    force = members.factor[:, None] * np.linalg.norm(along, axis=1, keepdims=True) * along
+    return np.einsum("sai,sa->i", element_motion(members, directions), force)
 
 
 def linear_drag(members: DragMembers, motion: np.ndarray, coefficients: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -139,12 +139,21 @@ def test_operating_schedule(rotor):
 
 def test_a_rotor_that_cannot_be_held(rotor):
     with pytest.raises(ValueError, match="no pitch up to 25 deg holds"):
-        operating_schedule(replace(rotor, power=np.full_like(rotor.power, 0.4)), [20.0], rated_power=5e6, rated_speed=1.2)
+        operating_schedule(
+            replace(rotor, power=np.full_like(rotor.power, 0.4)), [20.0], rated_power=5e6, rated_speed=1.2
+        )
 
 
 def test_a_table_is_taken_at_its_nearest_wind_speed():
     power = np.arange(2 * 5 * 4, dtype=float).reshape(2, 5, 4)
-    table = SimpleNamespace(pitch=np.arange(4.0), tip_speed_ratio=np.arange(3.0, 8.0), wind_speed=[8.0, 12.0], power=power, thrust=2 * power, source="t")
+    table = SimpleNamespace(
+        pitch=np.arange(4.0),
+        tip_speed_ratio=np.arange(3.0, 8.0),
+        wind_speed=[8.0, 12.0],
+        power=power,
+        thrust=2 * power,
+        source="t",
+    )
     assert np.array_equal(rotor_performance(table, 60.0, 1.2, 11.0).power, power[1])
     assert np.array_equal(rotor_performance(table, 60.0, 1.2).thrust, 2 * power[0])
 
@@ -244,7 +253,9 @@ def test_follower_stiffness_is_the_derivative_of_the_force(nrel, bend):
     allow = 1e-5 if not any(bend) else 2e-4
     size = np.array([1, 1, 1, 90, 90, 90, 1, 1.0])
     assert np.abs(numeric - exact).max() / np.abs(numeric).max() < allow
-    assert np.all(np.abs(numeric - exact) < 0.02 * np.outer(size, np.ones(8)) * thrust * (1e-3 if not any(bend) else 0.05))
+    assert np.all(
+        np.abs(numeric - exact) < 0.02 * np.outer(size, np.ones(8)) * thrust * (1e-3 if not any(bend) else 0.05)
+    )
     assert np.isclose(exact[2, 4], thrust * frame.axis[0])
     assert np.isclose(exact[1, 5], -thrust * frame.axis[0])
 
@@ -286,8 +297,9 @@ def test_geometry_against_openfast(nrel, linearised, speed):
     """From four numbers of OpenFAST's linearisation (thrust, torque and their derivatives by wind) all others follow, those by
     rotor speed because thrust and torque are homogeneous of degree two in wind and speed.
 
-    Allowed is what a quasi-steady uniform disk leaves out: 2 % along the shaft, 3 % where the gradient of the inflow over
-    the disk enters (B55, B57, B77), 12 % of it in yaw; the disk's own sideways wind in roll and pitch moments 8 %.
+    Allowed is what a quasi-steady uniform disk leaves out: 2.5 % along the shaft and across it by the disk's turning (roll by
+    pitch rate), 3 % where the gradient of the inflow over the disk enters (B55, B57, B77), 12 % of it in yaw and pitch by
+    roll; heave by pitch (thrust that turns, less the drag of wind along the disk) 10 % of the thrust.
     """
     lin = linearised[speed]
     structure = read_elastodyn(TURBINE / f"U{speed:02.0f}" / "ElastoDyn.dat", G).structure
@@ -300,18 +312,18 @@ def test_geometry_against_openfast(nrel, linearised, speed):
         thrust_pitch=0.0, torque_pitch=0.0,
     )  # fmt: skip
     t = operating_turbine(structure, ("tower_fa1",), d)
-    surge, heave, pitch, yaw, tower = 0, 2, 4, 5, 6
+    surge, heave, roll, pitch, yaw, tower = 0, 2, 3, 4, 5, 6
     for rows, allow in (
-        ([(surge, surge), (surge, pitch), (pitch, surge), (surge, tower)], 0.02),
+        ([(surge, surge), (surge, pitch), (pitch, surge), (surge, tower), (roll, pitch)], 0.025),
         ([(pitch, pitch), (pitch, tower), (tower, tower)], 0.03),
-        ([(yaw, yaw)], 0.12),
+        ([(yaw, yaw), (pitch, roll)], 0.12),
     ):
         for i, j in rows:
             assert abs(t.damping[i, j] / lin.damping[i, j] - 1) < allow, (i, j)
-    assert np.allclose(t.wind_force[[surge, pitch, tower]], lin.wind_force[[surge, pitch, tower]], rtol=0.02)
+    assert np.allclose(t.wind_force[[surge, pitch, tower]], lin.wind_force[[surge, pitch, tower]], rtol=0.025)
     assert np.allclose(t.stiffness[pitch, [pitch, tower]], lin.stiffness[pitch, [pitch, tower]], rtol=0.02)
     assert np.isclose(t.stiffness[tower, tower], lin.stiffness[tower, tower], rtol=1e-3)
-    assert abs(t.stiffness[heave, pitch] - lin.stiffness[heave, pitch]) < 0.05 * max(d.thrust, speed * d.thrust_wind * 0.4)
+    assert abs(t.stiffness[heave, pitch] - lin.stiffness[heave, pitch]) < 0.1 * d.thrust
     assert np.isclose(t.point[tower], lin.point[tower], rtol=0.07)  # the hub's mean moments are not in a thrust
     assert np.abs(t.mass - lin.mass).max() < 1e-3 * lin.mass[pitch, pitch]
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import freqz, lfilter, welch
 
-from model.response.identify import BANDS, estimate, peak, rao_error, smooth_like_welch
+from model.response.identify import estimate, smooth_like_welch
+from model.response.measures import BANDS, peak, rao_error
 
 STEP, SEGMENT = 0.5, 250.0
 
