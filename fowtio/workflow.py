@@ -242,6 +242,14 @@ def _fixed_parts(deck: Deck, hydro: HydroCoefficients) -> tuple[list[Contributio
         parts.append(additional_contribution(hydrodyn.preload, hydrodyn.stiffness, hydrodyn.damping, f"{hydrodyn.path.name} (AddF0, AddCLin, AddBLin)"))
     if hydro.hydrostatic_stiffness is None:
         raise ModelError("the hydrodynamic coefficients hold no hydrostatic stiffness (is the .hst file missing?)")
+    members = hydrodyn.members
+    wet = (members.potential == 0) & (np.minimum(members.start[:, 2], members.end[:, 2]) < 0) if len(members.names) else np.zeros(0, bool)
+    if wet.any():
+        names = ", ".join(n for n, w in zip(members.names, wet, strict=True) if w)
+        notes.append(
+            f"members {names} are not in the potential flow (PropPot False): only their drag is modelled, their buoyancy, added mass and "
+            "inertia forces are left out"
+        )
     if deck.mooring is None:
         notes.append("the deck has no moorings: the floater drifts freely in surge, sway and yaw")
     return parts, notes

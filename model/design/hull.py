@@ -196,8 +196,8 @@ def tube_part(density, radius, wall, start, end, name: str = "") -> Part:
     square = (start**2 + start * end + end**2) / 3
     section = (radius**2 + (radius - wall) ** 2) / 4
     axis = (end - start)[..., 2] ** 2 / np.maximum(length**2, 1e-300)
-    horizontal = mass * (square[..., :2].sum(-1) / 2 + square[..., 2] + section * (1.5 - (1 - axis) / 2))
-    vertical = mass * (square[..., :2].sum(-1) + section * (2 - (1 - axis)))
+    horizontal = mass * (square[..., :2].sum(-1) / 2 + square[..., 2] + section * (1.5 - axis / 2))
+    vertical = mass * (square[..., :2].sum(-1) + section * (1 + axis))
     return Part(name=name, mass=mass, height=(start + end)[..., 2] / 2, horizontal=horizontal, vertical=vertical)
 
 
