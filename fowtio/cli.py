@@ -306,6 +306,135 @@ def semi(
         terminal.show_rows("Semisubmersible", [(label, f"{value:.5g} {unit}") for _, label, value, unit in rows] + ([("study", str(study))] if study else []))
 
 
+@app.command()
+def convert(
+    source: Annotated[Path, typer.Argument(help="file, folder, or stem of a WAMIT set", show_default=False)],
+    target: Annotated[Path, typer.Argument(help="file, stem or folder to write; its suffix tells the format", show_default=False)],
+    to: Annotated[str | None, typer.Option(help="wamit, capytaine; map, moordyn, moordyn1; outb, out, csv, netcdf", show_default=False)] = None,
+    body: Annotated[int | None, typer.Option(help="of a file of several, from 1", show_default=False)] = None,
+    length: Annotated[float | None, typer.Option(help="ULEN of the WAMIT files read (m)", show_default=False)] = None,
+    target_length: Annotated[float | None, typer.Option(help="ULEN of the WAMIT files written (m)", show_default=False)] = None,
+    density: Annotated[float | None, typer.Option(help="of the water (kg/m3)", show_default=False)] = None,
+    gravity: Annotated[float | None, typer.Option(help="m/s2", show_default=False)] = None,
+    depth: Annotated[float | None, typer.Option(help="of the water (m)", show_default=False)] = None,
+    frequency: Annotated[str | None, typer.Option(help="first column of WAMIT files: period or omega", show_default=False)] = None,
+    volume: Annotated[float | None, typer.Option(help="displaced (m3), where a file lacks it", show_default=False)] = None,
+    mass: Annotated[float | None, typer.Option(help="that the source's hydrostatics include the weight of (kg)", show_default=False)] = None,
+    centre: Annotated[tuple[float, float, float] | None, typer.Option(help="of that mass, x y z (m)", show_default=False)] = None,
+    json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Write a file in an equivalent format: coefficients, moorings, time series, metocean records, results."""
+    from fowtio.convert import convert as change
+    from fowtio.file_report import show_files
+
+    if (mass is None) != (centre is None):
+        raise typer.BadParameter("--mass and --centre belong together")
+    found = change(
+        source, target, to=to, body=body, length=length, target_length=target_length, density=density, gravity=gravity, depth=depth,
+        frequency=frequency, volume=volume, weight=None if mass is None else (mass, centre),
+    )  # fmt: skip
+    if json:
+        files = [str(f) for f in found.files]
+        _print_json({"source": str(source), "read_as": found.read_as, "written_as": found.written_as, "files": files, "notes": list(found.notes)})
+    elif not quiet:
+        show_files(f"{source}: {found.read_as}, written as {found.written_as}", [*map(str, found.files), *(f"note: {n}" for n in found.notes)])
+
+
+@app.command()
+def contour(
+    site: Annotated[str, typer.Argument(help="site file (.site), name of a site that comes with fowtio, or metocean record to fit", show_default=False)],
+    return_period: Annotated[float, typer.Option("--return-period", help="years")] = 50.0,
+    speed: Annotated[list[float] | None, typer.Option(help="hub wind speed of an isoline, m/s; may be repeated", show_default=False)] = None,
+    hub_height: Annotated[float | None, typer.Option(help="m; needed with a record", show_default=False)] = None,
+    depth: Annotated[float | None, typer.Option(help="m; needed with a record", show_default=False)] = None,
+    wind_height: Annotated[float | None, typer.Option(help="of the record's wind speed, m (default 10)", show_default=False)] = None,
+    shear: Annotated[float | None, typer.Option(help="exponent of the power law (default 0.14)", show_default=False)] = None,
+    wind: Annotated[str, typer.Option(help="two_parameter, three_parameter or exponentiated Weibull for a record's wind")] = "exponentiated",
+    method: Annotated[str, typer.Option(help="likelihood or least_squares")] = "likelihood",
+    case: Annotated[Path | None, typer.Option(help="study whose worst state on the contour is sought", show_default=False)] = None,
+    channel: Annotated[str, typer.Option(help="channel that is to be largest, with --case")] = "TwrBsMyt",
+    figures: Annotated[bool, typer.Option(help="draw figures")] = True,
+    out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Environmental contour of a site: isolines and design points at hub wind speeds; fits a metocean record when given one."""
+    from fowtio import site_report, terminal
+    from fowtio.case import load
+    from fowtio.contour_study import contour_study, open_site
+
+    with terminal.Progress(quiet=quiet or json) as say:
+        place, fit, states, record = open_site(
+            site, hub_height=hub_height, depth=depth, wind_height=wind_height, shear=shear, wind=wind, method=method
+        )
+        study = contour_study(
+            place, return_period, speed, fit=fit, states=states, record=record, case=None if case is None else load(case),
+            channel=channel, progress=say,
+        )  # fmt: skip
+        files = site_report.save_contour(study, out, figures, say)
+    if json:
+        _print_json(site_report.contour_json(study, files))
+    elif not quiet:
+        site_report.show_contour(study, files)
+
+
+@app.command()
+def fatigue(
+    case: CASE,
+    site: Annotated[str, typer.Option(help="site file (.site) or name of a site that comes with fowtio", show_default=False)],
+    curve: Annotated[str, typer.Option(help="S-N curve of DNV-RP-C203: B1 to W3")] = "D",
+    environment: Annotated[str, typer.Option(help="air, seawater (cathodic protection) or free_corrosion")] = "air",
+    life: Annotated[float, typer.Option(help="years")] = 25.0,
+    design_factor: Annotated[float, typer.Option(help="what damage is multiplied by (DFF)")] = 3.0,
+    diameter: Annotated[float | None, typer.Option(help="of the tower base, m; by default from the deck", show_default=False)] = None,
+    wall: Annotated[float | None, typer.Option(help="of the tower base, m; by default from the deck", show_default=False)] = None,
+    concentration: Annotated[float | None, typer.Option(help="on stress; by default of a girth weld", show_default=False)] = None,
+    method: Annotated[str, typer.Option(help="dirlik, tovo_benasciutti, zhao_baker or narrow_band")] = "dirlik",
+    mooring: Annotated[str, typer.Option(help="studless_chain, studlink_chain, six_strand_wire or spiral_strand_wire")] = "studless_chain",
+    return_period: Annotated[float, typer.Option("--return-period", help="of the ultimate loads, years")] = 50.0,
+    verify: Annotated[bool, typer.Option("--verify", help="check the ten worst states by rainflow counting")] = False,
+    hours: Annotated[int, typer.Option(help="synthesised of each of them")] = 5,
+    figures: Annotated[bool, typer.Option(help="draw figures")] = True,
+    out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Lifetime at a site: fatigue around the tower base and in the moorings, and ultimate loads."""
+    from fowtio import site_report, terminal
+    from fowtio.case import load
+    from fowtio.fatigue_study import fatigue_study, settings_of
+    from fowtio.site import load_site
+
+    chosen = settings_of(
+        detail=curve, environment=environment, years=life, design_factor=design_factor, diameter=diameter, wall=wall,
+        concentration=concentration, method=method, mooring=mooring,
+    )  # fmt: skip
+    with terminal.Progress(quiet=quiet or json) as say:
+        study = fatigue_study(
+            load(case), load_site(site), settings=chosen, return_period=return_period, verify=hours if verify else 0, progress=say
+        )
+        files = site_report.save_fatigue(study, out, figures, say)
+    if json:
+        _print_json(site_report.fatigue_json(study, files))
+    elif not quiet:
+        site_report.show_fatigue(study, files)
+
+
+@app.command()
+def cost(
+    designs: Annotated[str, typer.Argument(help="cost file (.cost), or name of one that comes with fowtio", show_default=False)],
+    figures: Annotated[bool, typer.Option(help="draw figures")] = True,
+    out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Cost of floating foundations, itemised, with their anchors."""
+    from fowtio import site_report, terminal
+    from fowtio.cost_study import cost_study
+
+    with terminal.Progress(quiet=quiet or json) as say:
+        study = cost_study(designs)
+        files = site_report.save_cost(study, out, figures, say)
+    if json:
+        _print_json(site_report.cost_json(study, files))
+    elif not quiet:
+        site_report.show_cost(study, files)
+
+
 def main() -> None:
     """Run the command line; say what is wrong without a traceback and exit with 1."""
     from fowtio.errors import FowtioError

@@ -152,7 +152,7 @@ def fatigue_study(
     """
     settings = settings or FatigueSettings()
     table = table if table is not None else binned_states(
-        site.model, site.to_hub, cut_in=site.cut_in, cut_out=site.cut_out, least=1e-6
+        site.model, site.to_hub, cut_in=site.cut_in, cut_out=site.cut_out, least=1e-5
     )  # fmt: skip
     loads = table_loads(case, table, turbulence=site.turbulence, gamma=site.gamma, progress=progress)
     if not loads.tower.any():
@@ -384,3 +384,29 @@ def isolines(site: Site, return_period: float, speeds: Sequence[float], count: i
             line[:, 0] = speed
             out[float(speed)] = line
     return out
+
+
+def settings_of(
+    *, detail: str, environment: str, years: float, design_factor: float, diameter: float | None, wall: float | None,
+    concentration: float | None, method: str, mooring: str,
+) -> FatigueSettings:  # fmt: skip
+    """Return checked settings; diameter and wall [m] of the tower base come together or not at all.
+
+    Raises ModelError saying what is wrong.
+    """
+    if (diameter is None) != (wall is None):
+        raise ModelError("give the diameter and the wall of the tower base, or neither")
+    for name, value in (("life", years), ("design factor", design_factor), ("concentration", concentration)):
+        if value is not None and not value > 0:
+            raise ModelError(f"the {name} is {value:g}; it must be positive")
+    try:
+        section = None if diameter is None else TubeSection(diameter=diameter, thickness=wall)
+        sn_curve(detail, environment)
+        mooring_stress_curve(mooring)
+        range_distribution(np.ones(4), method)
+    except ValueError as error:
+        raise ModelError(str(error)) from None
+    return FatigueSettings(
+        detail=detail, environment=environment, years=years, design_factor=design_factor, section=section,
+        concentration=concentration, method=method, mooring=mooring,
+    )  # fmt: skip

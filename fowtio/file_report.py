@@ -42,5 +42,10 @@ def show_files(head: str, rows: Sequence[str]) -> None:
 
 def _folded(text: str, head: str, width: int) -> str:
     return textwrap.fill(
-        text, width, initial_indent=head, subsequent_indent=" " * len(head), break_long_words=False, break_on_hyphens=False
+        text,
+        width,
+        initial_indent=head,
+        subsequent_indent=" " * len(head),
+        break_long_words=False,
+        break_on_hyphens=False,
     )

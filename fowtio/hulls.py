@@ -44,15 +44,16 @@ def semi_mesh(
     return HullMesh(part=np.concatenate(parts), lid=np.concatenate(lid), symmetry="three-fold xz")
 
 
-def spar_mesh(profile, *, size: float = 4.0, around: int = 16, refine: int = 1) -> HullMesh:
+def spar_mesh(profile, *, size=4.0, around: int = 16, refine: int = 1) -> HullMesh:
     """Return the mesh of a body of revolution about the z axis: profile (k, 2) radius and elevation [m] from the waterline down.
 
-    A closing disc is added when the profile does not end on the axis. Two planes of symmetry.
+    size [m], or the number of panels on every piece. A closing disc is added when the profile does not end on the axis. Two planes of symmetry.
     """
     profile = [tuple(p) for p in profile]
     if profile[-1][0] > 0:
         profile.append((0.0, profile[-1][1]))
-    lid = lid_disc(profile[0][0], max(1, round(profile[0][0] / size)), around, refine=refine, sector=QUARTER)
+    rings = max(1, round(profile[0][0] / size)) if np.isscalar(size) else max(1, around // 8)
+    lid = lid_disc(profile[0][0], rings, around, refine=refine, sector=QUARTER)
     return HullMesh(part=revolved(profile, size, around, refine=refine, sector=QUARTER), lid=lid, symmetry="xz yz")
 
 

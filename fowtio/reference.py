@@ -87,8 +87,8 @@ def find_channel(name: str, present: Sequence[str], own: Sequence[tuple[str, str
             return found, 1.0, factor
     for pattern in (re.escape(name), _pattern(name)):
         for sign, prefix in ((1.0, ""), (-1.0, "[-_]")):
-            for p in present:
-                if pattern and re.fullmatch(f"{prefix}(?:{pattern})", p.strip("[]") if "[" not in name else p, re.IGNORECASE):
+            for p in present if pattern else ():
+                if any(re.fullmatch(f"{prefix}(?:{pattern})", text, re.IGNORECASE) for text in (p, p.strip("[]"))):
                     return p, sign, 0.0
     return None
 
@@ -129,7 +129,7 @@ def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequen
         lacking = next(s.source for s, p in zip(series, places[WAVE], strict=True) if p is None)
         raise ModelError(f"{lacking} has no wave elevation channel ({WAVE}); name it in the study (table NChan)")
     present = [n for n in names if all(p is not None for p in places[n])]
-    data = {n: [_in_si(s, p, u, findings) for s, p in zip(series, places[n], strict=True)] for n, u in zip(names, units, strict=True) if n in present}
+    data = {n: [in_si(s, p, u, findings) for s, p in zip(series, places[n], strict=True)] for n, u in zip(names, units, strict=True) if n in present}
     moving = _moving(data, dict(zip(names, units, strict=True)), start)
     if not moving:
         raise ModelError(f"{series[0].source} has none of the model's channels ({', '.join(names)}) in motion")
@@ -173,7 +173,7 @@ def _note_partly_missing(name, found, series, findings) -> None:
         findings.append(Finding(severity="error", subject=name, text=f"channel missing in {', '.join(lacking)}, present in the other records; it is not compared"))
 
 
-def _in_si(series: TimeSeries, place, unit: str, findings) -> np.ndarray:
+def in_si(series: TimeSeries, place, unit: str, findings: list[Finding]) -> np.ndarray:
     """Return a channel (t) in SI; a unit that is unknown or of another kind is said."""
     name, sign, factor = place
     written = series.unit(name)

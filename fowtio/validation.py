@@ -1,73 +1,169 @@
-"""Code-to-code validation: the model beside time series of the same floater in the same sea."""
+"""Code-to-code validation: the model beside time series of the same floater in the same sea and wind."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import kurtosis
 
-from fowtio.case import Reference
+from fowtio.case import StateEntry
+from fowtio.case_validation import Reference, Tolerance
 from fowtio.errors import ModelError
-from fowtio.read.openfast_out import TimeSeries, read_openfast_out
-from fowtio.workflow import Model, OperatingPoint, state_excitation
-from model.response.identify import BANDS, WHOLE_BAND, Estimate, estimate, peak, rao_error, smooth_like_welch
-from model.response.loads import channel_response
-from model.response.nonlinear import record_channels, record_response
-from model.response.solve import Excitation, prepare, solve
+from fowtio.reference import Finding, Records, read_records
+from fowtio.reference_checks import agreement_findings, length_findings, sea_findings
+from fowtio.validation_lack import lacking
+from fowtio.validation_model import (
+    ModelSide,
+    evaluate,
+    one_wave,
+    own_inputs,
+    quadratic_drag,
+    response_spectrum,
+    smoothed_rao,
+    smoothed_spectrum,
+)
+from fowtio.workflow import Model
+from model.response.equivalent import Missing
+from model.response.identify import SEGMENT, Estimate, choose_segment, estimate
+from model.response.measures import (
+    BANDS,
+    WHOLE_BAND,
+    amplitude_error,
+    log_error,
+    peak,
+    rao_error,
+    relative_mean_error,
+    seed_interval,
+    seen_by_record,
+)
+from model.response.reconstruct import correlation, driven_by, with_phases_of
+from model.response.statistics import statistics
 
-WAVE_CHANNELS = ("Wave1Elev",)
-_TO_SI = {"deg": np.pi / 180, "kN": 1e3, "kN-m": 1e3, "kN·m": 1e3}
+WITHIN, SCATTER, OUTSIDE, NOT_JUDGED = "within", "within scatter", "outside", "not judged"
+HIGHEST = 0.45  # Hz, of reconstructed time histories
+NAN = float("nan")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ChannelComparison:
-    """One channel, model against reference: standard deviations, errors as fractions, coherence and resonance.
+    """One channel, model against reference; errors are fractions, NaN where a figure does not apply. docs/validation.md defines them.
 
-    band_errors (4) over the bands of `model.response.identify`; scatter is the reference's own, from seed to seed. The figures
-    named nonlinear are those of the model with quadratic drag itself, driven by the reference's own waves (NaN when not asked for).
+    std_error: σ of model over reference less one, in the reference's own wave (and wind) spectra; std_error_state: in the state's
+    spectra; same_waves: driven by the reference's own wave records; nonlinear: likewise, with quadratic drag itself; memory: that and
+    the radiation memory as HydroDyn convolves it. scatter and interval (half width, 95 %) are the reference's own from seed to seed.
+    rao_error weighs amplitudes by energy over the whole band, band_errors (4) over bands; estimator_error is what a perfect model
+    would have. correlation: time history with the model's amplitudes and the reference's phases; correlation_same_waves: predicted
+    from the waves alone. verdicts of the standard deviation, the mean and the RAO.
     """
 
     name: str
     unit: str
+    written: str
     std_model: float
     std_reference: float
     std_error: float
+    std_error_state: float
     std_error_same_waves: float
     std_error_nonlinear: float
+    std_error_memory: float
     scatter: float
+    interval: float
     mean_model: float
     mean_reference: float
+    mean_error: float
+    mean_interval: float
     rao_error: float
+    rao_error_same_waves: float
     rao_error_nonlinear: float
+    rao_error_memory: float
+    estimator_error: float
+    log_error: float
     band_errors: tuple[float, ...]
     coherence_mean: float
     peak_frequency: float
     peak_frequency_error: float
     peak_error: float
-    passed: bool
+    peak_leakage: float
+    extreme_model: float
+    extreme_reference: float
+    excess_kurtosis: float
+    correlation: float
+    correlation_same_waves: float
+    tolerance: Tolerance
+    std_verdict: str
+    mean_verdict: str
+    rao_verdict: str
+
+    @property
+    def verdict(self) -> str:
+        """The worst of the verdicts, "not judged" without any."""
+        found = [v for v in (self.std_verdict, self.mean_verdict, self.rao_verdict) if v != NOT_JUDGED]
+        return next((v for v in (OUTSIDE, SCATTER, WITHIN) if v in found), NOT_JUDGED)
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing that is judged is outside its tolerance."""
+        return self.verdict != OUTSIDE
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Histories:
+    """Parts of the first record in time (t) [s], deviations from the mean (t, c): reference, model's amplitudes with the reference's
+    phases, prediction from the waves (NaN with wind).
+    """
+
+    time: np.ndarray
+    reference: np.ndarray
+    phases: np.ndarray
+    predicted: np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Validation:
-    """A comparison of one state with its time series: channels, the estimate, the model's RAO smoothed and raw on the
-    estimate's frequencies (n, c), that with quadratic drag itself, and reference channels that the model does not have.
+    """A comparison of one state with its time series.
+
+    kind: "waves" (RAOs against one long-crested sea), "spectra" (wind or several headings) or "mean" (nothing moves). channels;
+    estimate of the reference and model_rao (smoothed by its window), model_rao_raw, quadratic_rao, memory_rao on its frequencies (n, c);
+    model_spectrum and model_spectrum_raw (n, c) per Hz in the reference's own inputs, wave_part (n, c) what the waves give of it;
+    histograms: edges (b + 1) in standard deviations and the reference's densities (b, c);
+    narrowest half-power width [Hz] of a peak; unmatched channels of the reference, missing ones; findings; lack, what the linear model
+    lacks; histories.
     """
 
     state: str
+    kind: str
     files: tuple[str, ...]
     channels: tuple[ChannelComparison, ...]
-    estimate: Estimate
-    model_rao: np.ndarray
-    model_rao_raw: np.ndarray
-    quadratic_rao: np.ndarray | None
     tolerance: float
+    discard: float
+    duration: float
+    step: float
     unmatched: tuple[str, ...]
+    missing: tuple[str, ...]
+    findings: tuple[Finding, ...]
+    estimate: Estimate | None = None
+    model_rao: np.ndarray | None = None
+    model_rao_raw: np.ndarray | None = None
+    quadratic_rao: np.ndarray | None = None
+    memory_rao: np.ndarray | None = None
+    model_spectrum: np.ndarray | None = None
+    model_spectrum_raw: np.ndarray | None = None
+    wave_part: np.ndarray | None = None
+    histogram_edges: np.ndarray | None = None
+    histograms: np.ndarray | None = None
+    narrowest: float = NAN
+    lack: Missing | None = None
+    lack_modes: tuple[tuple[float, float], ...] = ()
+    histories: Histories | None = None
+    wave_error: float = NAN
+    wind_error: float = NAN
 
     @property
     def passed(self) -> bool:
-        """Whether every channel is within the tolerance on its standard deviation."""
-        return all(c.passed for c in self.channels)
+        """Whether every channel is within its tolerances and nothing is wrong with the reference."""
+        return all(c.passed for c in self.channels) and not any(f.severity == "error" for f in self.findings)
 
 
 def validate(
@@ -75,162 +171,258 @@ def validate(
 ) -> Validation:
     """Return the comparison of a state's model with reference time series of all seeds.
 
-    nonlinear adds the model with quadratic drag itself on each record, which shows what the linearisation costs.
-    Raises ModelError or FormatError.
+    nonlinear adds the model with quadratic drag itself on each record, which shows what the linearisation costs (one long-crested
+    sea, no wind, no current). Raises ModelError or FormatError.
     """
     state = next((s for s in model.states if s.name == reference.state), None)
     if state is None:
         raise ModelError(f"the reference names state {reference.state!r}, which the study does not have")
     progress(f"reading {len(reference.files)} time series")
-    series = [read_openfast_out(path) for path in reference.files]
-    point = model.at(state.wind_speed)
-    names, unmatched = _common(point, series)
-    wave = next((w for w in WAVE_CHANNELS if w.lower() in (n.lower() for n in series[0].names)), None)
-    if wave is None:
-        raise ModelError(f"{series[0].source} has no wave elevation channel ({', '.join(WAVE_CHANNELS)})")
-    step = float(np.median(np.diff(series[0].time)))
-    inputs, outputs = zip(*(_usable(s, wave, names, reference.discard) for s in series), strict=True)
-    progress("estimating spectra")
-    found = estimate(inputs, outputs, step)
-    waves = estimate([s.channel(wave) for s in series], [s.channel(wave)[:, None] for s in series], step).input_spectrum
+    outputs = model.at(state.wind_speed).outputs
+    records = read_records(reference, outputs.names, outputs.units)
+    if not any(np.ptp(w[records.start :]) > 0 for w in records.waves) and not _gusty(records):
+        return _means_only(model, state, reference, records)
     progress("evaluating the model")
-    fine = 1 / (10 * found.segment)
-    hz = np.arange(1, int(0.5 / fine) + 1) * fine
-    drive = state_excitation(model, state, 2 * np.pi * hz)
-    transfer, mean = _transfer(model, point, drive, names)
-    smooth, raw = _on_estimate(transfer, drive, found, fine, step)
-    same_waves = _same_waves_std(hz, transfer, series, wave, reference.discard)
-    exact = _with_quadratic_drag(model, point, drive, series, wave, names, reference.discard, progress) if nonlinear else None
-    channels = _compare(model, point, names, found, waves, smooth, mean, same_waves, exact, reference.tolerance)
+    segment = _segment(model, state, records)
+    side = evaluate(model, state, records.names, segment, 0.5 / records.step)
+    progress("estimating spectra")
+    found = estimate(records.cut(records.waves), records.cut(records.channels), records.step, segment)
+    compare = _compare_rao if one_wave(side.response.excitation) else _compare_spectra
+    return compare(model, state, reference, records, side, found, nonlinear, progress)
+
+
+def _gusty(records: Records) -> bool:
+    """Tell whether the hub's wind changes."""
+    return records.wind is not None and any(np.std(w[records.start :]) > 1e-3 * abs(np.mean(w)) for w in records.wind)
+
+
+def _segment(model: Model, state: StateEntry, records: Records) -> float:
+    """Return the segments' length [s]: the usual one unless the records are too short for it."""
+    return choose_segment(records.shortest, longest=SEGMENT)
+
+
+def _findings(model: Model, state: StateEntry, records: Records, side: ModelSide, found: Estimate) -> tuple[Finding, ...]:
+    """Return everything that is doubtful about the reference."""
+    driven = [w for n, w in zip(side.modes.names, side.modes.frequency, strict=True) if _moves(n, records)]
+    out = [*records.findings, *length_findings(records, found, 2 * np.pi / min(driven, default=2 * np.pi / 10))]
+    if np.any(side.waves):
+        out += sea_findings(records, side.waves.sum(axis=0), side.hz)
+        of_waves, of_wind = (s.sum(axis=0) for s in response_spectrum(side, side.waves, np.ones_like(side.hz)))
+        exact = [n for n, a, b in zip(records.names, of_waves, of_wind, strict=True) if a > 0.2 * b]
+        out += agreement_findings(
+            records, side.to_wave[side.main], side.hz, found.segment, model.deck.depth, model.deck.gravity, exact
+        )
+    return tuple(dict.fromkeys(out))
+
+
+def _moves(mode: str, records: Records) -> bool:
+    channel = {"tower_fa1": "TTDspFA", "tower_ss1": "TTDspSS"}.get(mode, f"Ptfm{mode.capitalize()}")
+    return channel in records.names
+
+
+def _compare_rao(model, state, reference, records: Records, side: ModelSide, found: Estimate, nonlinear, progress) -> Validation:
+    """Return the comparison for one long-crested sea: RAOs, and the model driven by the very waves of each record."""
+    f, df = found.frequency, found.frequency[1]
+    full = [w[:, None] for w in records.waves]
+    waves = estimate(records.waves, full, records.step, found.segment).input_spectrum
+    smooth, raw = smoothed_rao(side, found, records.step)
+    band = (f >= WHOLE_BAND[0] / 3) & np.isfinite(smooth).all(axis=1)
+    std_model = np.sqrt((smooth[band] ** 2 * waves[band, None]).sum(axis=0) * df)
+    predicted = [_driven(w, records, side) for w in records.waves]
+    linear = estimate(records.cut(records.waves), predicted, records.step, found.segment)
+    exact = memory = None
+    if nonlinear and not np.any(getattr(side.point.system, "current", None) if side.point.system.current is not None else 0):
+        series, convolved = quadratic_drag(model, side, records, progress)
+        cut = [w[: len(s)] for w, s in zip(records.cut(records.waves), series, strict=True)]
+        exact = estimate(cut, series, records.step, found.segment)
+        memory = None if convolved is None else estimate(cut, convolved, records.step, found.segment)
+    nominal, _ = response_spectrum(side, side.waves, np.ones_like(side.hz))
+    clean, target = np.nan_to_num(smooth), np.nan_to_num(found.energy_rao)
+
+    def whole(magnitude):
+        return rao_error(np.nan_to_num(magnitude), target, found.input_spectrum, f)
+
+    empty = np.full(len(records.names), NAN)
+    figures = {
+        "std_model": std_model, "std_error": std_model / found.std - 1, "std_error_state": _std(nominal, side) / found.std - 1,
+        "std_error_same_waves": linear.std / found.std - 1, "std_error_nonlinear": empty if exact is None else exact.std / found.std - 1,
+        "std_error_memory": empty if memory is None else memory.std / found.std - 1, "rao_error": whole(smooth),
+        "rao_error_same_waves": whole(linear.energy_rao), "rao_error_nonlinear": empty if exact is None else whole(exact.energy_rao),
+        "rao_error_memory": empty if memory is None else whole(memory.energy_rao), "estimator_error": found.expected_error(WHOLE_BAND),
+        "log_error": log_error(clean, target, found.coherence, f),
+        "bands": np.array([rao_error(clean, target, found.input_spectrum, f, b) for b in BANDS]),
+    }  # fmt: skip
+    own = np.where(band[:, None], clean**2 * waves[:, None], 0.0)
+    raw_spectrum = np.nan_to_num(raw) ** 2 * waves[:, None]
+    fine = np.abs(side.to_wave[side.main]) ** 2 * np.interp(side.hz, f, waves)[:, None]
+    histories, phases, real = _histories(records, fine, side, predicted)
+    channels = _channels(model, side, reference, records, found, figures, (target, clean, raw), fine, phases, real, scatter_counts=False)
+    lack, modes = lacking(side, records, found, waves=side.waves, ratio=None)
     return Validation(
-        state=state.name, files=tuple(str(p) for p in reference.files), channels=channels, estimate=found, model_rao=smooth,
-        model_rao_raw=raw, quadratic_rao=None if exact is None else exact.energy_rao, tolerance=reference.tolerance, unmatched=unmatched,
+        **_common(state, "waves", reference, records, channels), estimate=found, model_rao=smooth, model_rao_raw=raw,
+        quadratic_rao=None if exact is None else exact.energy_rao, memory_rao=None if memory is None else memory.energy_rao,
+        model_spectrum=own, model_spectrum_raw=raw_spectrum, wave_part=own, **_distribution(records), narrowest=_narrowest(side, records),
+        findings=_findings(model, state, records, side, found), lack=lack, lack_modes=modes, histories=histories,
+        wave_error=_input_error(records.cut(records.waves), side.waves.sum(axis=0), side),
     )  # fmt: skip
 
 
-def _common(point: OperatingPoint, series: list[TimeSeries]) -> tuple[list[str], tuple[str, ...]]:
-    """Return the channels that model and all series have and that move in the reference, and the others of the reference."""
-    in_all = set.intersection(*({n.lower() for n in s.names} for s in series))
-    still = {n.lower() for n in series[0].names if np.ptp(series[0].channel(n)) == 0}
-    names = [n for n in point.outputs.names if n.lower() in in_all - still and _excited(point, series, n)]
-    if not names:
-        raise ModelError(f"{series[0].source} has none of the model's channels ({', '.join(point.outputs.names)})")
-    known = {n.lower() for n in names}
-    return names, tuple(n for n in series[0].names if n.lower() not in known)
+def _compare_spectra(model, state, reference, records: Records, side: ModelSide, found: Estimate, nonlinear, progress) -> Validation:
+    """Return the comparison for wind and waves: spectra, standard deviations, means; nothing can be driven by the very wind."""
+    f = found.frequency
+    waves, ratio = own_inputs(side, records, found)
+    of_waves, of_wind = response_spectrum(side, waves, ratio)
+    nominal = sum(response_spectrum(side, side.waves, np.ones_like(ratio)))
+    seen = seen_by_record(side.hz, records.shortest)[:, None]
+    smooth, raw = smoothed_spectrum(side, of_waves + of_wind, found, records.step)
+    wave_part, _ = smoothed_spectrum(side, of_waves, found, records.step)
+    amplitude, target = np.sqrt(np.nan_to_num(smooth)), np.sqrt(found.output_spectrum)
+    std_model = _std((of_waves + of_wind) * seen, side)
+    empty = np.full(len(records.names), NAN)
+    figures = {
+        "std_model": std_model, "std_error": std_model / found.std - 1, "std_error_state": _std(nominal * seen, side) / found.std - 1,
+        **{k: empty for k in ("std_error_same_waves", "std_error_nonlinear", "std_error_memory")},
+        **{k: empty for k in ("rao_error_same_waves", "rao_error_nonlinear", "rao_error_memory")},
+        "rao_error": amplitude_error(amplitude, target, f), "estimator_error": np.full(len(empty), 0.5 / np.sqrt(found.averages)),
+        "log_error": log_error(amplitude, target, np.ones_like(target), f),
+        "bands": np.array([amplitude_error(amplitude, target, f, b) for b in BANDS]),
+    }  # fmt: skip
+    histories, phases, _ = _histories(records, of_waves + of_wind, side, None)
+    channels = _channels(model, side, reference, records, found, figures, (target, amplitude, np.sqrt(np.nan_to_num(raw))),
+                         of_waves + of_wind, phases, empty, scatter_counts=True)  # fmt: skip
+    lack, modes = lacking(side, records, found, waves=waves, ratio=ratio)
+    rao, rao_raw = smoothed_rao(side, found, records.step)
+    return Validation(
+        **_common(state, "spectra", reference, records, channels), estimate=found, model_rao=rao, model_rao_raw=rao_raw, model_spectrum=smooth,
+        model_spectrum_raw=raw, wave_part=wave_part, **_distribution(records), narrowest=_narrowest(side, records),
+        findings=_findings(model, state, records, side, found), lack=lack, lack_modes=modes, histories=histories,
+        wave_error=_input_error(records.cut(records.waves), side.waves.sum(axis=0), side),
+        wind_error=NAN if records.wind is None else _input_error(records.cut(records.wind), side.hub * seen[:, 0], side),
+    )  # fmt: skip
 
 
-def _excited(point: OperatingPoint, series: list[TimeSeries], name: str) -> bool:
-    """Tell whether a channel moves more than rounding: sway in head waves does not."""
-    data = series[0].channel(name)
-    of_kind = [np.std(series[0].channel(n)) for n in series[0].names if series[0].unit(n) == series[0].unit(name)]
-    return float(np.std(data)) > 1e-3 * max(of_kind)
+def _means_only(model: Model, state: StateEntry, reference: Reference, records: Records) -> Validation:
+    """Return the comparison of means in steady wind and still water."""
+    outputs = model.at(state.wind_speed).outputs
+    cut = records.cut(records.channels)
+    means, std = np.array([c.mean(axis=0) for c in cut]), np.sqrt(np.mean([c.var(axis=0) for c in cut], axis=0))
+    at = [outputs.names.index(n) for n in records.names]
+    error = relative_mean_error(outputs.mean[at], means.mean(axis=0), std)
+    nothing = dict.fromkeys((
+        "std_model", "std_error", "std_error_state", "std_error_same_waves", "std_error_nonlinear", "std_error_memory", "scatter", "interval",
+        "rao_error", "rao_error_same_waves", "rao_error_nonlinear", "rao_error_memory", "estimator_error", "log_error", "coherence_mean",
+        "peak_frequency", "peak_frequency_error", "peak_error", "peak_leakage", "extreme_model", "extreme_reference", "excess_kurtosis",
+        "correlation", "correlation_same_waves",
+    ), NAN)  # fmt: skip
+    channels = []
+    for k, name in enumerate(records.names):
+        tolerance = reference.tolerance_of(name)
+        channels.append(ChannelComparison(
+            **nothing, name=name, unit=records.units[k], written=records.written[k], std_reference=float(std[k]), mean_model=float(outputs.mean[at[k]]),
+            mean_reference=float(means.mean(axis=0)[k]), mean_error=float(error[k]), mean_interval=NAN, band_errors=(NAN,) * len(BANDS), tolerance=tolerance,
+            std_verdict=NOT_JUDGED, mean_verdict=_verdict(error[k], tolerance.mean, 0.0), rao_verdict=NOT_JUDGED,
+        ))  # fmt: skip
+    return Validation(**_common(state, "mean", reference, records, tuple(channels)), findings=records.findings)
 
 
-def _usable(series: TimeSeries, wave: str, names: list[str], discard: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return wave elevation (k) and channels (k, c) in SI after the transient."""
-    keep = series.time >= series.time[0] + discard
-    if keep.sum() < 100:
-        raise ModelError(f"{series.source}: fewer than 100 samples remain after {discard:g} s are discarded")
-    data = np.stack([series.channel(n) * _TO_SI.get(series.unit(n), 1.0) for n in names], axis=1)
-    return series.channel(wave)[keep], data[keep]
+def _common(state, kind: str, reference, records: Records, channels) -> dict:
+    return {
+        "state": state.name, "kind": kind, "files": records.files, "channels": channels, "tolerance": reference.tolerance,
+        "discard": reference.discard, "duration": records.shortest, "step": records.step, "unmatched": records.unmatched, "missing": records.missing,
+    }  # fmt: skip
 
 
-def _transfer(model: Model, point: OperatingPoint, drive: Excitation, names: list[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the model's transfer functions (n, c) from wave elevation and its mean values (c)."""
-    options = model.case.options
-    grid = prepare(point.system, drive.omega, drive.heading, low_frequency=options.low_frequency_excitation)
-    response = solve(point.system, point.mean, drive, grid=grid, drag=options.drag_model)
-    channels = channel_response(point.outputs, response)
-    index = [channels.index(n) for n in names]
-    return channels.to_wave[0][:, index], channels.mean[index]
+def _std(spectrum: np.ndarray, side: ModelSide) -> np.ndarray:
+    """Return standard deviations (c) from spectra (n, c) per Hz."""
+    return np.sqrt(spectrum.sum(axis=0) * side.step)
 
 
-def _on_estimate(transfer, drive: Excitation, found: Estimate, fine: float, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the model's RAO magnitude, smoothed by the estimate's window and raw, on the estimate's frequencies (n, c)."""
-    spectrum = np.concatenate([[0.0], drive.wave_spectrum[0]])[:, None]
-    magnitude = np.concatenate([np.abs(transfer[:1]), np.abs(transfer)])
-    top = smooth_like_welch(magnitude**2 * spectrum, fine, found.segment, step)
-    bottom = smooth_like_welch(spectrum, fine, found.segment, step)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        smooth = np.sqrt(top / bottom)
-    places = np.round(found.frequency / fine).astype(int)
-    inside = places < len(magnitude)
-    out = np.full((2, len(places), magnitude.shape[1]), np.nan)
-    out[0, inside], out[1, inside] = smooth[places[inside]], magnitude[places[inside]]
-    return out[0], out[1]
+def _input_error(series: Sequence[np.ndarray], spectrum: np.ndarray, side: ModelSide) -> float:
+    """Return the standard deviation of a state's wave or wind over that of the records, less one."""
+    measured = np.sqrt(np.mean([s.var() for s in series]))
+    return float(np.sqrt(spectrum.sum() * side.step) / measured - 1) if measured > 0 else NAN
 
 
-def _same_waves_std(hz, transfer, series: list[TimeSeries], wave: str, discard: float) -> np.ndarray:
-    """Return standard deviations (c) of the model driven by the reference's own wave records, over the same part of each.
-
-    The records are taken as periodic, as OpenFAST's waves are when the run is as long as the wave record.
-    """
-    variance = []
-    for s in series:
-        n = len(s.time) - 1
-        step = (s.time[-1] - s.time[0]) / n
-        spectrum = np.fft.rfft(s.channel(wave)[:n])
-        f = np.fft.rfftfreq(n, step)
-        h = np.stack([np.interp(f, hz, c.real) + 1j * np.interp(f, hz, c.imag) for c in transfer.T], axis=1)
-        h[(f == 0) | (f > hz[-1])] = 0.0
-        motion = np.fft.irfft(spectrum[:, None] * h, n, axis=0)
-        variance.append(motion[int(round(discard / step)) :].var(axis=0))
-    return np.sqrt(np.mean(variance, axis=0))
+def _driven(wave: np.ndarray, records: Records, side: ModelSide) -> np.ndarray:
+    """Return the linear model's channels (t, c) for a record's own waves after the transient; the record is periodic without its last sample."""
+    out = driven_by(wave[:-1], records.step, side.to_wave[side.main], side.hz)
+    return np.concatenate([out, out[:1]])[records.start :]
 
 
-def _with_quadratic_drag(model: Model, point: OperatingPoint, drive, series, wave, names, discard, progress) -> Estimate:
-    """Return the estimate from the model with quadratic drag itself, driven by each record's own waves, cut like the records."""
-    inputs, outputs = [], []
-    for k, s in enumerate(series, start=1):
-        progress(f"quadratic drag on record {k} of {len(series)}")
-        n = len(s.time) - 1
-        step = (s.time[-1] - s.time[0]) / n
-        elevation = s.channel(wave)[:n]
-        try:
-            response = record_response(point.system, point.mean, elevation, step, drive,
-                                       low_frequency=model.case.options.low_frequency_excitation)  # fmt: skip
-        except ValueError as error:
-            raise ModelError(f"{s.source}: {error}") from None
-        start = round(discard / step)
-        inputs.append(elevation[start:])
-        outputs.append(record_channels(point.outputs, response, names)[start:])
-    return estimate(inputs, outputs, step)
+def _histories(records: Records, spectrum, side: ModelSide, predicted) -> tuple[Histories, np.ndarray, np.ndarray]:
+    """Return histories of the first record, and the correlation coefficients (c) over all records."""
+    real, borrowed, from_waves = [], [], []
+    for k, y in enumerate(records.cut(records.channels)):
+        y = y - y.mean(axis=0)
+        own = np.stack([with_phases_of(y[:, c], records.step, spectrum[:, c], side.hz, HIGHEST) for c in range(y.shape[1])], axis=1)
+        borrowed.append(correlation(own, y))
+        from_waves.append(correlation(predicted[k], y) if predicted is not None else np.full(y.shape[1], NAN))
+        if k == 0:
+            real = [y, own, predicted[0] - predicted[0].mean(axis=0) if predicted is not None else np.full_like(y, NAN)]
+    time = (records.start + np.arange(len(real[0]))) * records.step
+    return Histories(time=time, reference=real[0], phases=real[1], predicted=real[2]), np.mean(borrowed, axis=0), np.mean(from_waves, axis=0)
 
 
-def _compare(model, point, names, found: Estimate, waves, smooth, mean, same_waves, exact: Estimate | None, tolerance) -> tuple[ChannelComparison, ...]:
-    f, step = found.frequency, found.frequency[1]
-    band = (f >= WHOLE_BAND[0] / 3) & np.isfinite(smooth).all(axis=1)
-    std_model = np.sqrt((smooth[band] ** 2 * waves[band, None]).sum(axis=0) * step)
-    reference = np.nan_to_num(found.energy_rao)
-    errors = rao_error(np.nan_to_num(smooth), reference, found.input_spectrum, f)
-    lost = np.full(len(names), np.nan)
-    nonlinear = lost if exact is None else exact.std / found.std - 1
-    rao_nonlinear = lost if exact is None else rao_error(np.nan_to_num(exact.energy_rao), reference, found.input_spectrum, f)
-    per_band = np.array([rao_error(np.nan_to_num(smooth), reference, found.input_spectrum, f, b) for b in BANDS])
+def _distribution(records: Records) -> dict:
+    """Return the histograms of the reference's channels about their means, in standard deviations."""
+    pooled = np.concatenate([(y - y.mean(axis=0)) / y.std(axis=0) for y in records.cut(records.channels)])
+    edges = np.linspace(-5, 5, 51)
+    counts = np.stack([np.histogram(c, edges, density=True)[0] for c in pooled.T], axis=1)
+    return {"histogram_edges": edges, "histograms": counts}
+
+
+def _narrowest(side: ModelSide, records: Records) -> float:
+    """Return the smallest half-power width [Hz] of a resonance of the channels that move, inside the band of errors."""
+    hertz = side.modes.frequency / (2 * np.pi)
+    widths = [2 * z * f for n, z, f in zip(side.modes.names, side.modes.damping_ratio, hertz, strict=True)
+              if _moves(n, records) and WHOLE_BAND[0] < f < WHOLE_BAND[1]]  # fmt: skip
+    return float(min(widths, default=NAN))
+
+
+def _channels(model, side, reference, records, found: Estimate, figures, magnitudes, spectrum, phases, real, *, scatter_counts) -> tuple[ChannelComparison, ...]:
+    """Return all figures of every channel; magnitudes are those of reference, model and model unsmoothed, RAOs or amplitude spectra."""
+    f = found.frequency
+    target, smooth, raw = magnitudes
     inside = (f >= WHOLE_BAND[0]) & (f <= WHOLE_BAND[1])
     coherence = found.coherence[inside].mean(axis=0)
+    cut = [y - y.mean(axis=0) for y in records.cut(records.channels)]
+    largest = np.mean([np.abs(y).max(axis=0) for y in cut], axis=0)
+    expected = statistics(spectrum / (2 * np.pi), 2 * np.pi * side.hz, side.mean, records.shortest).extreme
+    tails = kurtosis(np.concatenate([y / y.std(axis=0) for y in cut]), axis=0)
+    mean_error = relative_mean_error(side.mean, found.mean, found.std)
+    size = np.maximum(np.abs(found.mean), found.std)
+    interval, mean_interval = seed_interval(found.std_each) / found.std, seed_interval(found.mean_each) / size
     out = []
-    for k, name in enumerate(names):
-        near = _resonance(model, point, reference[:, k], f)
-        (f_ref,), (h_ref,) = peak(reference[:, [k]], f, near)
-        (f_model,), (h_model,) = peak(np.nan_to_num(smooth[:, [k]]), f, near)
-        error = std_model[k] / found.std[k] - 1
-        out.append(
-            ChannelComparison(
-                name=name, unit=point.outputs.units[point.outputs.names.index(name)], std_model=std_model[k],
-                std_reference=found.std[k], std_error=error, std_error_same_waves=same_waves[k] / found.std[k] - 1,
-                std_error_nonlinear=nonlinear[k], rao_error_nonlinear=rao_nonlinear[k],
-                scatter=found.scatter[k], mean_model=mean[k], mean_reference=found.mean[k], rao_error=errors[k],
-                band_errors=tuple(per_band[:, k]), coherence_mean=coherence[k], peak_frequency=f_ref,
-                peak_frequency_error=f_model / f_ref - 1, peak_error=h_model / h_ref - 1, passed=bool(abs(error) <= tolerance),
-            )
-        )  # fmt: skip
+    for k, name in enumerate(records.names):
+        near = _resonance(side, target[:, k], f)
+        (f_ref,), (h_ref,) = peak(target[:, [k]], f, near)
+        (f_model,), (h_model,) = peak(smooth[:, [k]], f, near)
+        (_, (h_raw,)) = peak(np.nan_to_num(raw[:, [k]]), f, near)
+        tolerance = reference.tolerance_of(name)
+        allowed = (float(np.nan_to_num(interval[k])), float(np.nan_to_num(mean_interval[k]))) if scatter_counts else (0.0, 0.0)
+        out.append(ChannelComparison(
+            **{key: float(figures[key][k]) for key in figures if key != "bands"}, name=name, unit=records.units[k], written=records.written[k],
+            std_reference=float(found.std[k]), scatter=float(found.scatter[k]), interval=float(interval[k]), mean_model=float(side.mean[k]),
+            mean_reference=float(found.mean[k]), mean_error=float(mean_error[k]), mean_interval=float(mean_interval[k]),
+            band_errors=tuple(float(b) for b in figures["bands"][:, k]), coherence_mean=float(coherence[k]), peak_frequency=float(f_ref),
+            peak_frequency_error=float(f_model / f_ref - 1), peak_error=float(h_model / h_ref - 1), peak_leakage=float(1 - h_model / h_raw),
+            extreme_model=float(expected[k]), extreme_reference=float(largest[k]), excess_kurtosis=float(tails[k]), correlation=float(phases[k]),
+            correlation_same_waves=float(real[k]), tolerance=tolerance, std_verdict=_verdict(figures["std_error"][k], tolerance.std, allowed[0]),
+            mean_verdict=_verdict(mean_error[k], tolerance.mean, allowed[1]), rao_verdict=_verdict(figures["rao_error"][k], tolerance.rao, 0.0),
+        ))  # fmt: skip
     return tuple(out)
 
 
-def _resonance(model: Model, point: OperatingPoint, reference: np.ndarray, f: np.ndarray) -> tuple[float, float]:
-    """Return the band [Hz] around the natural frequency at which the reference's RAO of a channel is largest."""
-    natural = point.modes.frequency / (2 * np.pi)
+def _verdict(error: float, tolerance: float | None, scatter: float) -> str:
+    """Return the verdict on an error: within the tolerance, else within the reference's own 95 % interval, else outside."""
+    if tolerance is None:
+        return NOT_JUDGED
+    return WITHIN if abs(error) <= tolerance else SCATTER if abs(error) <= scatter else OUTSIDE
+
+
+def _resonance(side: ModelSide, reference: np.ndarray, f: np.ndarray) -> tuple[float, float]:
+    """Return the band [Hz] around the natural frequency at which the reference's magnitude of a channel is largest."""
+    natural = side.point.modes.frequency / (2 * np.pi)
     natural = natural[(natural > WHOLE_BAND[0]) & (natural < WHOLE_BAND[1])]
     if not len(natural):
         return WHOLE_BAND
@@ -239,9 +431,12 @@ def _resonance(model: Model, point: OperatingPoint, reference: np.ndarray, f: np
     return 0.75 * best, 1.25 * best
 
 
-def write_validation(found: list[Validation], folder, *, progress: Callable[[str], None] = lambda text: None) -> list:
-    """Write the comparison: RAO figures as PNG and SVG, tables as CSV; return the files written."""
+def write_validation(found: Sequence[Validation], folder, *, progress: Callable[[str], None] = lambda text: None, **more) -> list:
+    """Write the comparison: report, workbook, figures as PNG and SVG, tables as CSV; return the files written.
+
+    more: model (for the report and workbook) and decays, as in `fowtio.write.validation.write_comparison`.
+    """
     from fowtio.write.validation import write_comparison
 
     progress("writing the comparison")
-    return write_comparison(found, folder)
+    return write_comparison(found, folder, progress=progress, **more)

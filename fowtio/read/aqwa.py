@@ -166,4 +166,10 @@ def _is_ah1(path, head: bytes) -> bool:
     return head.lstrip(b"\xef\xbb\xbf")[:1] == b"*" and b"AQWA" in head[:2000] and b"GENERAL" in head
 
 
-AQWA_AH1 = Format(name="AQWA database (.AH1)", recognises=_is_ah1, read=read_aqwa_ah1, describe=describe_hydro, problems=hydro_problems)
+AQWA_AH1 = Format(
+    name="AQWA database (.AH1)",
+    recognises=_is_ah1,
+    read=read_aqwa_ah1,
+    describe=describe_hydro,
+    problems=hydro_problems,
+)

@@ -324,4 +324,6 @@ def _is_lis(path, head: bytes) -> bool:
     return b"DECK" in head and (b"AQWA" in head.upper() or b"H Y D R O D Y N A M I C" in head)
 
 
-AQWA_LIS = Format(name="AQWA listing (.LIS)", recognises=_is_lis, read=read_aqwa_lis, describe=describe_hydro, problems=hydro_problems)
+AQWA_LIS = Format(
+    name="AQWA listing (.LIS)", recognises=_is_lis, read=read_aqwa_lis, describe=describe_hydro, problems=hydro_problems
+)

@@ -13,7 +13,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.hydro_common import check_damping, choose_body, coefficients, describe_hydro, hydro_problems, without_weight
+from fowtio.read.hydro_common import (
+    check_damping,
+    choose_body,
+    coefficients,
+    describe_hydro,
+    hydro_problems,
+    without_weight,
+)
 from fowtio.read.registry import Format
 from model.conventions import PLATFORM_DOFS
 from model.system.hydro import HydroCoefficients
@@ -228,4 +235,10 @@ def _recognises(path, head: bytes) -> bool:
         return False
 
 
-CAPYTAINE = Format(name="Capytaine netCDF (.nc)", recognises=_recognises, read=read_capytaine, describe=describe_hydro, problems=hydro_problems)
+CAPYTAINE = Format(
+    name="Capytaine netCDF (.nc)",
+    recognises=_recognises,
+    read=read_capytaine,
+    describe=describe_hydro,
+    problems=hydro_problems,
+)

@@ -227,7 +227,9 @@ def _asymmetry(name: str, values: np.ndarray) -> list[str]:
     i, j = np.unravel_index(np.argmax(error), (6, 6))
     if error[i, j] < 0.03:
         return []
-    return [f"the {name} is not symmetric: {PLATFORM_DOFS[i]}-{PLATFORM_DOFS[j]} by {100 * error[i, j]:.2g} % of the diagonal"]
+    return [
+        f"the {name} is not symmetric: {PLATFORM_DOFS[i]}-{PLATFORM_DOFS[j]} by {100 * error[i, j]:.2g} % of the diagonal"
+    ]
 
 
 def coefficients(path, *, point=(0.0, 0.0, 0.0), **fields) -> HydroCoefficients:

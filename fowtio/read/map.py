@@ -215,4 +215,17 @@ def _describe(file: MapFile) -> list[tuple[str, str]]:
     ]
 
 
-MAP = Format(name="MAP++ input file", recognises=_recognises, read=read_map, describe=_describe)
+def _problems(file: MapFile) -> list[str]:
+    """Return why the file is no mooring system that is modelled here, if it is none."""
+    heights = [row[4].lstrip("#") for _, row in file.rows["nodes"]]
+    if any(h.lower() == "depth" for h in heights):
+        return []  # the depth is the deck's
+    try:
+        deepest = max(-_number(file.path, i, row[4].lstrip("#") or "0") for i, row in file.rows["nodes"])
+        map_mooring(file, depth=deepest, gravity=9.80665, density=1025.0)
+    except FormatError as error:
+        return [str(error)]
+    return []
+
+
+MAP = Format(name="MAP++ input file", recognises=_recognises, read=read_map, describe=_describe, problems=_problems)

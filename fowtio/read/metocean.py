@@ -302,11 +302,13 @@ def _describe(record: Metocean) -> list[tuple[str, str]]:
         unit_si, scale = ("deg", 180 / np.pi) if quantity in HEADINGS else (next(iter(QUANTITIES[quantity].units)), 1.0)
         column = f"column {heading!r}, {unit}" + ("" if factor == 1 or quantity in HEADINGS else f" x {factor:.6g}")
         values = span(record.values[quantity], unit_si, scale)
-        rows.append((quantity.replace("_", " "), f"{values}, {np.isfinite(record.values[quantity]).sum()} values ({column})"))
+        rows.append(
+            (quantity.replace("_", " "), f"{values}, {np.isfinite(record.values[quantity]).sum()} values ({column})")
+        )
     headings = [q for q in HEADINGS if q in record.values]
     if headings:
         rows.append(("directions", "of propagation, 0 towards +x (east), counter-clockwise"))
-    return rows
+    return rows + [("assumed", note) for note in r.notes]
 
 
 _WRONG = {
@@ -318,19 +320,25 @@ _WRONG = {
 
 
 def metocean_problems(record: Metocean) -> list[str]:
-    """Return everything that is wrong with a record, with counts, and what was assumed."""
+    """Return everything that is wrong with a record, with counts."""
     r, out = record.report, []
     for quantity, *_ in r.columns:
         count = {what: getattr(r, what)[quantity] for what in _WRONG}
         known = QUANTITIES[quantity]
-        limits = f" (below {known.low:g} or above {known.high:g} {next(iter(known.units))})" if quantity not in HEADINGS else ""
+        limits = (
+            f" (below {known.low:g} or above {known.high:g} {next(iter(known.units))})"
+            if quantity not in HEADINGS
+            else ""
+        )
         out += [
             f"{quantity.replace('_', ' ')}: {n} values {_WRONG[what]}{limits if what == 'out_of_range' else ''}, taken as missing"
             for what, n in count.items() if n
         ]  # fmt: skip
         empty = np.flatnonzero(np.isnan(record.values[quantity]))
         if len(empty):
-            out[-1] += f"; the first at {_day(record.time[empty[0]])}"
+            out.append(
+                f"{quantity.replace('_', ' ')}: missing at {len(empty)} times, first {_day(record.time[empty[0]])}"
+            )
     rows = {
         "have no time that can be read, left out": r.bad_times,
         "repeat another row, left out": r.duplicates,
@@ -340,9 +348,11 @@ def metocean_problems(record: Metocean) -> list[str]:
     out += [f"{n} {'row' if n == 1 else 'rows'}: {text}" for text, n in rows.items() if n]
     if r.gaps:
         steps = np.diff(record.time)
-        longest = ", ".join(f"{_day(record.time[k])} to {_day(record.time[k + 1])}" for k in np.argsort(-steps)[: min(3, r.gaps)])
+        longest = ", ".join(
+            f"{_day(record.time[k])} to {_day(record.time[k + 1])}" for k in np.argsort(-steps)[: min(3, r.gaps)]
+        )
         out.append(f"{r.gaps} gaps, {r.missing_steps} steps missing; the longest: {longest}")
-    return out + [f"assumed: {note}" for note in r.notes]
+    return out
 
 
 def _day(time: np.datetime64) -> str:

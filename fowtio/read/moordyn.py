@@ -397,4 +397,17 @@ def _describe(file: MoorDynFile) -> list[tuple[str, str]]:
     ]
 
 
-MOORDYN = Format(name="MoorDyn input file", recognises=_recognises, read=read_moordyn, describe=_describe)
+def _problems(file: MoorDynFile) -> list[str]:
+    """Return why the file is no static mooring system of one floater, if it is none."""
+    own = any(name in file.options for name in ("wtrdpth", "depth", "seafloorfile", "bathymetryfile"))
+    try:
+        deepest = max(-_number(file.path, i, row[4]) for i, row in file.rows["points"])
+        moordyn_mooring(file, depth=None if own else deepest)
+    except FormatError as error:
+        return [str(error)]
+    return []
+
+
+MOORDYN = Format(
+    name="MoorDyn input file", recognises=_recognises, read=read_moordyn, describe=_describe, problems=_problems
+)

@@ -324,4 +324,10 @@ def _recognises(path, head: bytes) -> bool:
     )
 
 
-NEMOH = Format(name="Nemoh result folder", recognises=_recognises, read=read_nemoh, describe=describe_hydro, problems=hydro_problems)
+NEMOH = Format(
+    name="Nemoh result folder",
+    recognises=_recognises,
+    read=read_nemoh,
+    describe=describe_hydro,
+    problems=hydro_problems,
+)

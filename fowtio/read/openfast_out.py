@@ -124,7 +124,7 @@ def _read_binary(path: Path, content: bytes) -> TimeSeries:
         data = (packed - offset) / slope
     else:
         data = packed.astype(float)
-    series = _series(path, time, data, names[1:], units[1:], description)
+    series = checked_series(path, time, data, names[1:], units[1:], description)
     return replace(series, trailing_bytes=len(content) - buffer.at)
 
 
@@ -156,7 +156,7 @@ def _read_text(path: Path) -> TimeSeries:
     table = number_table(path, lines[first:], first + 1, len(names), "a row of time series")
     if not table.size:
         raise FormatError(path, first, expected="rows of numbers", found="none")
-    return _series(path, table[:, 0], table[:, 1:], names[1:], units[1:], " ".join(lines[:head]).strip())
+    return checked_series(path, table[:, 0], table[:, 1:], names[1:], units[1:], " ".join(lines[:head]).strip())
 
 
 def _columns(line: str) -> list[str]:
@@ -164,8 +164,8 @@ def _columns(line: str) -> list[str]:
     return [part.strip() for part in line.strip().split("\t")] if "\t" in line.strip() else line.split()
 
 
-def _series(path, time, data, names, units, description) -> TimeSeries:
-    """Return the time series after the checks that both forms share."""
+def checked_series(path, time, data, names, units, description) -> TimeSeries:
+    """Return a time series after the checks that all its forms share; raise FormatError."""
     if len(time) > 1 and np.any(np.diff(time) <= 0):
         k = int(np.argmax(np.diff(time) <= 0))
         raise FormatError(path, expected="time that ascends", found=f"{time[k + 1]:g} s after {time[k]:g} s")
@@ -225,6 +225,9 @@ def series_problems(series: TimeSeries) -> list[str]:
 
 
 OPENFAST_OUT = Format(
-    name="OpenFAST time series (.outb, .out)", recognises=_recognises, read=read_openfast_out,
-    describe=describe_series, problems=series_problems,
+    name="OpenFAST time series (.outb, .out)",
+    recognises=_recognises,
+    read=read_openfast_out,
+    describe=describe_series,
+    problems=series_problems,
 )

@@ -328,5 +328,9 @@ def _recognises(path, head: bytes) -> bool:
 
 
 ORCAFLEX = Format(
-    name="OrcaFlex vessel type (.yml)", recognises=_recognises, read=read_orcaflex, describe=describe_hydro, problems=hydro_problems
+    name="OrcaFlex vessel type (.yml)",
+    recognises=_recognises,
+    read=read_orcaflex,
+    describe=describe_hydro,
+    problems=hydro_problems,
 )

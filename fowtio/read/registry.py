@@ -53,6 +53,8 @@ MODULES = (
     "openfast_lin",
     "fast7_lin",
     "openfast_out",
+    "series_table",
+    "results",
     "turbsim",
     "moordyn",
     "map",
@@ -149,7 +151,12 @@ def _unknown(path: Path, head: bytes) -> FormatError:
     """Return the error of a file or folder of no known format: what it begins with, and what was tried."""
     names = f"Tried by content: {', '.join(f.name for f in formats())}"
     if path.is_dir():
-        return FormatError(path, expected="a folder of Nemoh results (with Nemoh.cal)", found="a folder without it", hint="Name a file in it")
+        return FormatError(
+            path,
+            expected="a file of a known format or a folder of Nemoh results",
+            found="a folder without Nemoh.cal",
+            hint="Name a file in it",
+        )
     if not head:
         return FormatError(path, expected="a file of a known format", found="an empty file")
     begin = next((line.strip() for line in head_lines(head) if line.strip()), "") or f"binary data, {head[:12]!r}"

@@ -75,7 +75,9 @@ def _current(deck: InputFile) -> Current | None:
         depth_independent_heading=np.radians(deck.number("CurrDIDir")),
     )  # fmt: skip
     if out.near_surface and out.near_surface_depth <= 0:
-        raise FormatError(deck.path, deck.line("CurrNSRef"), expected="a depth above zero", found=deck.text("CurrNSRef"))
+        raise FormatError(
+            deck.path, deck.line("CurrNSRef"), expected="a depth above zero", found=deck.text("CurrNSRef")
+        )
     return None if out.still else out
 
 

@@ -97,7 +97,11 @@ def number_rows(path: Path, lines: Sequence[str], first: int, widths: Sequence[i
         at, line, wrong = bad[0]
         columns = " or ".join(str(w) for w in widths)
         raise FormatError(
-            path, at, expected=what if wrong else f"{what} ({columns} columns)", found=line, hint=_further(wrong, bad[1:])
+            path,
+            at,
+            expected=what if wrong else f"{what} ({columns} columns)",
+            found=line,
+            hint=_further(wrong, bad[1:]),
         )
     return rows
 

@@ -13,7 +13,14 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.hydro_common import check_damping, coefficients, describe_hydro, hydro_problems, number_table, without_weight
+from fowtio.read.hydro_common import (
+    check_damping,
+    coefficients,
+    describe_hydro,
+    hydro_problems,
+    number_table,
+    without_weight,
+)
 from fowtio.read.registry import Format, SeveralBodies, span
 from fowtio.read.text import read_lines
 from model.system.hydro import HydroCoefficients

@@ -13,7 +13,14 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.hydro_common import coefficients, describe_hydro, hydro_problems, number_at, number_table, without_weight
+from fowtio.read.hydro_common import (
+    coefficients,
+    describe_hydro,
+    hydro_problems,
+    number_at,
+    number_table,
+    without_weight,
+)
 from fowtio.read.registry import Format, SeveralBodies
 from fowtio.read.text import numbers, read_lines
 from fowtio.read.wamit import (
@@ -268,5 +275,6 @@ WAMIT_OUTPUT = Format(
     name="WAMIT .out (formatted output)",
     recognises=lambda path, head: b"WAMIT" in head and b"Period       Time" in head,
     read=read_wamit_out,
-    describe=describe_hydro, problems=hydro_problems,
+    describe=describe_hydro,
+    problems=hydro_problems,
 )

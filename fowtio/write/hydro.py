@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 
 from fowtio.errors import ModelError
+from fowtio.write.atomic import atomic_file
 from model.environment.airy import wavenumber
 from model.system.hydro import HydroCoefficients
 
@@ -36,7 +36,8 @@ def write_wamit(hydro: HydroCoefficients, stem: str | Path, *, length: float = 1
         files[".hst"] = _matrix_rows(hydro.hydrostatic_stiffness / powers)
     paths = [stem.with_name(stem.name + suffix) for suffix in files]
     for path, rows in zip(paths, files.values(), strict=True):
-        path.write_text("\n".join(rows) + "\n", encoding="ascii")
+        with atomic_file(path) as temporary:
+            temporary.write_text("\n".join(rows) + "\n", encoding="ascii")
     return paths
 
 
@@ -80,6 +81,8 @@ def write_capytaine(hydro: HydroCoefficients, path: str | Path, *, body_name: st
     carry the limits of the added mass, their excitation is not a number. Double precision. The hydrostatic stiffness
     is that of buoyancy alone and says so in its attribute `weight`, besides volume and centre of buoyancy.
     """
+    import xarray as xr  # here, because it takes long
+
     path = Path(path)
     ends = [(0.0, hydro.added_mass_zero)], [(np.inf, hydro.added_mass_infinite)]
     low, high = ([(w, a) for w, a in end if a is not None] for end in ends)
@@ -113,7 +116,8 @@ def write_capytaine(hydro: HydroCoefficients, path: str | Path, *, body_name: st
     if hydro.centre_of_buoyancy is not None:
         data["center_of_buoyancy"] = (("point_coordinates",), hydro.centre_of_buoyancy)
     attributes = {"time_convention": "exp(-i omega t)", "written_by": "fowtio"}
-    xr.Dataset(data, coords=coordinates, attrs=attributes).to_netcdf(path, engine="h5netcdf")
+    with atomic_file(path) as temporary:
+        xr.Dataset(data, coords=coordinates, attrs=attributes).to_netcdf(temporary, engine="h5netcdf")
     return path
 
 

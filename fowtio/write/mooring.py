@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import ModelError
+from fowtio.write.atomic import atomic_file
 from model.system.mooring import MooringSystem
 
 _RULE = 80
@@ -84,15 +85,20 @@ def moordyn_text(system: MooringSystem, *, version: int = 2, segments: int = 20)
 def write_map(system: MooringSystem, path: str | Path) -> Path:
     """Write a mooring system as a MAP++ input file and return its path; raise ModelError as `map_text`."""
     path = Path(path)
-    path.write_text(map_text(system), encoding="utf-8")
+    _write(path, map_text(system))
     return path
 
 
 def write_moordyn(system: MooringSystem, path: str | Path, *, version: int = 2, segments: int = 20) -> Path:
     """Write a mooring system as a MoorDyn input file and return its path; raise ModelError as `moordyn_text`."""
     path = Path(path)
-    path.write_text(moordyn_text(system, version=version, segments=segments), encoding="utf-8")
+    _write(path, moordyn_text(system, version=version, segments=segments))
     return path
+
+
+def _write(path: Path, text: str) -> None:
+    with atomic_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def _dynamics(version: int) -> str:

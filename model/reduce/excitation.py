@@ -17,9 +17,10 @@ from model.reduce.rational import RationalFit, fit, realisation
 from model.response.solve import Response
 from model.system.hydro import HydroCoefficients, excitation_at
 
-TARGET = 0.01
+TARGET = 0.012
 SHIFTS = (12.0, 16.0, 20.0)
-ORDERS = range(36, 62, 8)
+ORDERS = (44, 60, 72, 84)
+CAP = 10.0  # that a relative error of a force may count above one, where forces nearly cancel in a response
 LOW = 0.03  # rad/s
 
 
@@ -95,7 +96,7 @@ def fit_wave_force(
     alive = driven & (peak > 1e-4 * lever * (peak / lever).max(initial=0.0))
     sensitive = np.stack([np.interp(omega, data, s) for s in pooled(matters.omega, matters.force, data).T], axis=1)
     with np.errstate(divide="ignore"):
-        weight = np.minimum(np.maximum(sensitive, 0.3 / peak), 1 / size + 1 / peak)
+        weight = np.minimum(np.maximum(sensitive, 0.3 / peak), CAP / size + 1 / peak)
     return fit_excitation(omega, force, np.where(alive, weight, 0.0), nodes)
 
 

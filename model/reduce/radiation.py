@@ -21,11 +21,11 @@ from model.reduce.rational import RationalFit, admissible, fit, partial_fraction
 from model.system.hydro import HydroCoefficients, infinite_added_mass, radiation_at
 
 SIGNIFICANT = 0.01  # of the geometric mean of the two diagonal peaks
-TARGET = 0.0055  # of the peak, and of any response
+TARGET = 0.005  # of the peak, and of any response
 PASSIVE = 1e-5  # largest negative eigenvalue of the scaled damping matrix that counts as rounding
-RESPONSE = 0.5  # what a relative error of a response counts beside an error of K relative to its peak
-MOST = 300.0  # that responses may raise the weight of an error above that of a fraction of the peak
-ORDERS = range(6, 30, 2)
+RESPONSE = 0.6  # what a relative error of a response counts beside an error of K relative to its peak
+MOST = 1000.0  # that responses may raise the weight of an error above that of a fraction of the peak
+ORDERS = range(6, 38, 2)
 PATIENCE = 10  # fits tried without a tenth of gain before more poles are held to be of no use
 
 

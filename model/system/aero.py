@@ -254,6 +254,12 @@ def hub_sensitivity(
     return by_wind, by_rate
 
 
+def gradient_sensitivity(frame: RotorFrame, rotor: RotorDerivatives, gradient_arm: float) -> np.ndarray:
+    """Return hub force and moment (6, 3) per gradient vector [(m/s)/m] of the axial wind over the disk, as `hub_sensitivity`."""
+    n = skew(frame.axis)
+    return np.vstack([rotor.torque_wind / 2 * n, -gradient_arm * rotor.thrust_wind * n])
+
+
 def gyroscopic_matrix(frame: RotorFrame, momentum: float) -> np.ndarray:
     """Return the gyroscopic matrix (q, q), antisymmetric, of an angular momentum [kg m2/s] along the shaft."""
     return -frame.rotation.T @ skew(momentum * frame.axis) @ frame.rotation
@@ -318,7 +324,9 @@ def _at_operating_point(structure, modes, rotor: RotorDerivatives, deflection, g
         still, damping=still.damping + damping,
         stiffness=still.stiffness + follower_stiffness(structure, modes, frame, rotor) + leaning,
         force=still.force + rotor.thrust * frame.thrust_row + rotor.torque * frame.torque_row,
-        wind_force=hub.T @ by_wind[:, 0], wind_speed=rotor.wind_speed, rotor_speed=rotor.rotor_speed,
+        wind_force=hub.T @ by_wind[:, 0],
+        gradient_force=(hub.T @ gradient_sensitivity(frame, rotor, gradient_arm)[:, [2, 1]]).T,
+        wind_speed=rotor.wind_speed, rotor_speed=rotor.rotor_speed,
         source=f"structural data of the deck and rotor table {rotor.source}".strip(),
     )  # fmt: skip
 

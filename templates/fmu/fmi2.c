@@ -92,7 +92,7 @@ DECLARE(fmi2GetStringStatus, (fmi2Component, const fmi2StatusKind, fmi2String *)
 static void report(const fw_instance *s, const char *text)
 {
     const fmi2CallbackFunctions *f = s->callback;
-    if (f && f->logger) f->logger(f->componentEnvironment, s->name, fmi2Error, "logStatusError", "%s", text);
+    if (f && f->logger) f->logger(f->componentEnvironment, s->name, fmi2Error, "logStatusError", text);
 }
 
 const char *FN(fmi2GetTypesPlatform)(void) { return "default"; }
@@ -106,7 +106,7 @@ fmi2Component FN(fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2String gui
     UNUSED(visible);
     if (!h) {
         if (callbacks && callbacks->logger)
-            callbacks->logger(callbacks->componentEnvironment, name ? name : "", fmi2Error, "logStatusError", "%s",
+            callbacks->logger(callbacks->componentEnvironment, name ? name : "", fmi2Error, "logStatusError",
                               "No instance was made: the name is missing, the GUID is not this model's, or memory is short.");
         return NULL;
     }

@@ -49,12 +49,14 @@ typedef struct {
 
 static inline void fw_error(const fw_instance *s, const char *format, ...)
 {
-    char text[256];
+    char text[256], *p;
     va_list arguments;
     if (!s->logging || !s->report) return;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    for (p = text; *p; p++)
+        if (*p == '%') *p = '#'; /* importers may print it as a format */
     s->report(s, text);
 }
 

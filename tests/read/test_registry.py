@@ -9,67 +9,20 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-import numpy as np
-import openfast_samples as samples
 import pytest
-from test_fast7 import SAMPLE as FAST7_TEXT
-from test_map import SAMPLE as MAP_TEXT
-from test_moordyn import V1, V2
-from test_rotor_table import text as rotor_text
+from every_format import every_format
 
 import fowtio.read
 from fowtio.errors import FormatError
 from fowtio.read import describe, read_any, recognise, registry
+from fowtio.read import inspect as inspect_file
 from fowtio.read.registry import INTERNAL, Format
 
 FOLDER = Path(fowtio.read.__file__).parent
 MODULES = sorted(p.stem for p in FOLDER.glob("*.py") if p.stem != "__init__")
-OUT_TEXT = "Time\tPtfmSurge\n(s)\t(m)\n0.0\t1.5\n0.1\t1.6\n"
-CSV = "time,Hs (m),wind speed (m/s)\n2020-01-01 00:00,1.5,8\n2020-01-01 01:00,1.6,9\n"
-
-
-def make_samples(folder: Path) -> dict[str, Path]:
-    """Write one file of every format of ours and return its path by the name of its constant."""
-    fst = samples.copy_deck(folder / "deck")
-    text = {
-        "FAST7_LIN": FAST7_TEXT,
-        "MAP": MAP_TEXT,
-        "MOORDYN": V2,
-        "MOORDYN 1": V1,
-        "ROTOR_TABLE": rotor_text(),
-        "OPENFAST_OUT": OUT_TEXT,
-        "METOCEAN": CSV,
-    }
-    out = {}
-    for name, content in text.items():
-        out[name] = folder / f"{name.lower().replace(' ', '_')}.dat"
-        out[name].write_bytes(content.encode("latin-1"))
-    wind = np.random.default_rng(1).normal(12, 1, (4, 9, 7, 3))
-    binary = {
-        "TURBSIM": samples.bts_bytes(wind),
-        "OPENFAST_OUT 2": samples.outb_bytes([0, 0.1], [[1.0], [2.0]], ("x",), ("m",), 2),
-    }
-    for name, content in binary.items():
-        out[name] = folder / f"{name.lower().replace(' ', '_')}.bin"
-        out[name].write_bytes(content)
-    deck = {
-        "OPENFAST_DECK": fst,
-        "ELASTODYN": "ElastoDyn.dat",
-        "HYDRODYN": "HydroDyn.dat",
-        "SEASTATE": "SeaState.dat",
-        "INFLOWWIND": "InflowWind.dat",
-        "OPENFAST_INPUT": "ElastoDyn_Tower.dat",
-        "WAMIT_RADIATION": "hydro/oc4.1",
-        "WAMIT_EXCITATION": "hydro/oc4.3",
-        "WAMIT_HYDROSTATICS": "hydro/oc4.hst",
-        "WAMIT_SET": "hydro/oc4",
-    }
-    return out | {name: fst.parent / file for name, file in deck.items()} | {"OPENFAST_LIN": samples.LIN_FILE}
-
-
 @pytest.fixture(scope="module")
 def sample_files(tmp_path_factory):
-    return make_samples(tmp_path_factory.mktemp("formats"))
+    return every_format(tmp_path_factory.mktemp("formats"))
 
 
 def constants() -> dict[str, Format]:
@@ -109,6 +62,10 @@ def test_formats_have_different_names():
     assert len(set(names)) == len(names) == len(constants())
     with pytest.raises(AttributeError):
         _ = fowtio.read.NOTHING
+
+
+def test_every_format_has_a_sample(sample_files):
+    assert {name.split()[0] for name in sample_files} == set(constants())
 
 
 def test_every_sample_finds_its_format_and_gives_a_description(sample_files):
@@ -202,3 +159,47 @@ def test_real_files_find_their_formats():
     for pattern, name in expected.items():
         for path in folder.glob(pattern):
             assert recognise(path) is known[name], path
+
+
+# --- what no format recognises ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("a.lin", "hello\n", ("a.lin, line 1", "'Linearized model", "because of its suffix")),
+        ("a.1", "x\n", ("because of its suffix",)),
+        ("a.outb", "Time is up\n", ("because of its suffix",)),
+        ("a.csv", "hello\nworld\n", ("line 1", "headings", "because of its suffix")),
+        ("a.qtf", "AQTF-2.0 :\n", ("'AQTF-2.0 :'", "not read")),
+        ("a.xyz", "hello world\n", ("'hello world'", "Tried by content", "WAMIT", "MoorDyn", "Metocean")),
+        ("a.xyz", "", ("an empty file",)),
+    ],
+)
+def test_errors_say_what_was_tried(tmp_path, name, content, words):
+    path = tmp_path / name
+    path.write_text(content)
+    with pytest.raises(FormatError) as error:
+        read_any(path)
+    for word in words:
+        assert word in str(error.value), str(error.value)
+
+
+def test_every_bad_line_is_named(tmp_path):
+    rows = [" 5.0 1 1 1.0 1.0", " 5.0 1 2 ***** 1.0", " 5.0 1 3 1.0 1.0", " 5.0 2 2 NaN 1.0", " 5.0 2 3 x 1.0"]
+    path = tmp_path / "a.1"
+    path.write_text("\n".join(rows) + "\n")
+    with pytest.raises(FormatError, match=r"line 2: .*2 more such lines: 4, 5") as error:
+        read_any(path)
+    assert error.value.line == 2
+
+
+def test_every_body_is_inspected(tmp_path):
+    path = tmp_path / "two.1"
+    rows = [f" {t} {i + 6 * b} {j + 6 * b} {1.0 * (i == j)} 0.1" for t in (5.0, 9.0) for b in (0, 1) for i in range(1, 7) for j in range(1, 7)]
+    path.write_text("\n".join(rows) + "\n")
+    found = inspect_file(path)
+    labels = [label for label, _ in found.rows]
+    assert labels[0] == "bodies"
+    assert "body 1: periods" in labels
+    assert "body 2: periods" in labels

@@ -176,7 +176,7 @@ def test_several_bodies_are_chosen_or_refused(stem):
         read_wamit(stem, **WATER)
     for body in (1, 2):
         assert_equal(read_wamit(stem, body=body, **WATER), synthetic(), SEVEN)
-    with pytest.raises(FormatError, match="bodies up to 2"):
+    with pytest.raises(FormatError, match="modes of body 1, 2 only"):
         read_wamit(stem, body=3, **WATER)
 
 
@@ -247,7 +247,7 @@ def test_line_ends_and_marks_of_other_systems(stem):
         (".1", 80, None, " 5.0 1 2 1.0", "line 80.*5 columns"),
         (".1", 80, None, " 5.0 0 2 1.0 1.0", "line 80.*mode number"),
         (".1", 80, None, " 5.0 1.5 2 1.0 1.0", "line 80.*mode number"),
-        (".1", 80, None, " 5.0 1 7 1.0 1.0", "line 80.*mode from 1 to 6"),
+        (".1", 80, None, " 5.0 1 7 1.0 1.0", "line 80.*modes 1 to 6.*mode 7"),
         (".3", 7, None, " 1.0 0.0 1 2.0", "line 7.*7 columns"),
         (".3", 7, None, "spam", "line 7"),
         (".hst", 5, None, " 1 5", "line 5"),
@@ -347,7 +347,8 @@ def test_recognition_and_description(stem):
         assert all(isinstance(text, str) for _, text in own.describe(own.read(path)))
     assert WAMIT_SET.recognises(stem, b"")
     rows = dict(WAMIT_SET.describe(read_wamit(stem, **WATER)))
-    assert rows["frequencies"] == "5, 0.3 to 1.5 rad/s; limits: zero and infinite"
+    assert rows["frequencies"] == "5, 0.3 to 1.5 rad/s"
+    assert rows["limits of added mass"] == "zero and infinite frequency"
     assert rows["headings"] == "4, -90 to 90 deg"
 
 

@@ -1,0 +1,181 @@
+"""Is the FMU right? The standard's rules, the compiler's warnings, its size, and its responses beside the frequency-domain model's."""
+
+from __future__ import annotations
+
+import tempfile
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fowtio.errors import ModelError
+from fowtio.fmu.build import FLAGS, Exported, Linearised, compile_library, find_compiler
+from fowtio.fmu.runner import Runner
+from model.conventions import PLATFORM_DOFS
+from model.reduce.importance import DEAD, FAINT
+from model.response.solve import _dynamic_stiffness, prepare
+
+LARGEST = 500_000  # bytes
+MAGNITUDE, PHASE = 0.02, np.radians(2.0)
+STEP = 0.1  # s
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One check: what was looked at, whether it passed, what was found."""
+
+    name: str
+    passed: bool
+    text: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Comparison:
+    """RAOs of an FMU (n, c) beside those of the frequency-domain model at omega (n) [rad/s]; counted (n, c) where they are compared;
+    largest errors of magnitude [-] and phase [rad], channel names.
+    """
+
+    omega: np.ndarray
+    channels: tuple[str, ...]
+    fmu: np.ndarray
+    model: np.ndarray
+    counted: np.ndarray
+
+    @property
+    def magnitude_error(self) -> np.ndarray:
+        """Largest relative error of the magnitude, by channel (c)."""
+        return self._largest(np.abs(np.abs(self._ratio) - 1))
+
+    @property
+    def phase_error(self) -> np.ndarray:
+        """Largest error of the phase [rad], by channel (c)."""
+        return self._largest(np.abs(np.angle(self._ratio)))
+
+    @property
+    def _ratio(self) -> np.ndarray:
+        return np.where(self.counted, self.fmu, 1.0) / np.where(self.counted, self.model, 1.0)
+
+    def _largest(self, values) -> np.ndarray:
+        return np.where(self.counted, values, 0.0).max(axis=0)
+
+
+def check_fmu(exported: Exported, *, progress: Callable[[str], None] = lambda text: None) -> list[Finding]:
+    """Return what the checks of all files of an export found."""
+    out = []
+    for version, path in exported.files.items():
+        progress(f"validating FMI {version}")
+        out += check_file(path)
+        driven = driven_by(exported)
+        if driven is None:
+            out.append(Finding(name=f"{path.name}: responses", passed=True, text="no wave input from outside, not compared"))
+            continue
+        progress(f"comparing responses, FMI {version}")
+        found = compare_responses(exported, path, driven)
+        worst = int(np.argmax(found.magnitude_error))
+        out.append(
+            Finding(
+                name=f"{path.name}: responses to {'wave forces' if driven == 'wave_force' else 'the wave elevation'}",
+                passed=bool(found.magnitude_error.max() <= MAGNITUDE and found.phase_error.max() <= PHASE),
+                text=f"largest error {100 * found.magnitude_error.max():.2f} % and {np.degrees(found.phase_error.max()):.2f} deg ({found.channels[worst]})",
+            )
+        )
+    return out
+
+
+def check_file(path: str | Path) -> list[Finding]:
+    """Return what FMPy's validation, a compiler with warnings as errors, and the size say of one FMU."""
+    from fmpy.validation import validate_fmu
+
+    path = Path(path)
+    problems = validate_fmu(str(path))
+    out = [Finding(name=f"{path.name}: rules of the standard (FMPy)", passed=not problems, text="; ".join(problems) or "no finding")]
+    with tempfile.TemporaryDirectory() as scratch:
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(scratch)
+        try:
+            compile_library(Path(scratch) / "sources", Path(scratch) / "check.so", find_compiler("linux64"), flags=FLAGS)
+            out.append(Finding(name=f"{path.name}: its own sources compile", passed=True, text="no warning"))
+        except ModelError as error:
+            out.append(Finding(name=f"{path.name}: its own sources compile", passed=False, text=str(error)))
+    size = path.stat().st_size
+    out.append(Finding(name=f"{path.name}: size", passed=size < LARGEST, text=f"{size / 1e3:.0f} kB"))
+    return out
+
+
+def driven_by(exported: Exported) -> str | None:
+    """Return the wave input that responses can be compared with: "wave_force" or "elevation", None without either."""
+    names = {v.name for v in exported.description.of_kind("input")}
+    return "wave_force" if "Wave.ForceX" in names else "elevation" if "Wave.Elevation" in names else None
+
+
+def compare_responses(exported: Exported, path: str | Path, driven: str, *, low: float = 0.005, high: float = 0.5) -> Comparison:
+    """Return the RAOs of an FMU in co-simulation beside the model's, low to high [Hz].
+
+    The FMU is driven by a periodic sum of waves of equal amplitude and random phases until it has forgotten its start; the
+    Fourier coefficients of one period are the RAOs without leakage. By elevation they are compared at the frequencies of the
+    hydrodynamic data (nearest lines), where the excitation is fitted; by wave forces at all.
+    """
+    found = exported.linearised
+    repeat = 2 * np.pi / 0.00625  # s: the lines hold all multiples of 0.025 rad/s
+    count = round(repeat / STEP)
+    step = repeat / count
+    lines = np.arange(int(np.ceil(low * repeat)), int(high * repeat) + 1)
+    if driven == "elevation":
+        nodes = np.round(found.point.system.hydro.omega / 0.00625).astype(int)
+        lines = np.intersect1d(lines, nodes)
+    omega = 2 * np.pi * lines / repeat
+    phase = np.exp(2j * np.pi * np.random.default_rng(1).random(len(lines)))
+    force = np.stack([np.interp(omega, found.waves.omega, f.real) + 1j * np.interp(omega, found.waves.omega, f.imag)
+                      for f in found.waves.force[found.column].T], axis=1)  # fmt: skip
+    channels = {v.channel: v.name for v in exported.description.of_kind("output") if v.channel}
+    reference = _reference(found, omega, force)
+    slowest = max(1e-4, -np.linalg.eigvals(found.space.a).real.max())
+    warm = int(np.ceil(min(8.0 / slowest, 20000.0) / repeat))
+    signals = _signals(driven, lines, phase, force, count, found.space.time_shift, omega)
+    tiled = {n: np.tile(s, warm + 1) for n, s in signals.items()}
+    tiled = {n: np.append(s, s[0]) for n, s in tiled.items()}
+    with Runner(path) as runner:
+        series = runner.run(count * (warm + 1), step, tiled, list(channels.values()))
+    one = np.fft.rfft(series[count * warm : count * (warm + 1)], axis=0)[lines] / (count / 2)
+    hold = np.sinc(lines / count) ** 2  # of the straight lines between samples
+    fmu = one / (phase * hold)[:, None]
+    model = reference[:, [found.point.outputs.names.index(n) for n in channels]]
+    units = [found.point.outputs.units[found.point.outputs.names.index(n)] for n in channels]
+    return Comparison(omega=omega, channels=tuple(channels), fmu=fmu, model=model, counted=_counted(np.abs(model), units))
+
+
+def _signals(driven: str, lines, phase, force, count: int, shift: float, omega) -> dict[str, np.ndarray]:
+    """Return one period of the inputs that waves of unit amplitude make."""
+
+    def series(amplitude):
+        spectrum = np.zeros(count // 2 + 1, dtype=complex)
+        spectrum[lines] = amplitude
+        return np.fft.irfft(spectrum, count) * (count / 2)
+
+    if driven == "elevation":
+        return {"Wave.Elevation": series(phase * np.exp(1j * omega * shift))}
+    names = ("ForceX", "ForceY", "ForceZ", "MomentX", "MomentY", "MomentZ")
+    return {f"Wave.{n}": series(phase * force[:, k]) for k, n in enumerate(names)}
+
+
+def _reference(found: Linearised, omega, force) -> np.ndarray:
+    """Return the frequency-domain model's channels (n, c) for wave forces (n, 6)."""
+    system, outputs = found.point.system, found.point.outputs
+    grid = prepare(system, omega, found.response.excitation.heading[[found.column]])
+    here, rows = system.platform, [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
+    stiffness = _dynamic_stiffness(system, found.point.mean, grid, here, rows)
+    stiffness[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * found.response.drag_damping[np.ix_(rows, rows)]
+    full = np.zeros((len(omega), len(system.dofs), 1), dtype=complex)
+    full[:, here, 0] = force[:, rows]
+    motion = np.linalg.solve(stiffness, full)[..., 0]
+    iw = 1j * omega[:, None]
+    return motion @ outputs.position.T + iw * (motion @ outputs.velocity.T) + iw**2 * (motion @ outputs.acceleration.T)
+
+
+def _counted(size: np.ndarray, units) -> np.ndarray:
+    """Return where RAOs (n, c) are compared: above FAINT of their peak, in channels that waves move at all."""
+    peak = size.max(axis=0)
+    of_unit = np.array([max(p for p, other in zip(peak, units, strict=True) if other == u) for u in units])
+    return (size > FAINT * peak) & (peak > DEAD * of_unit) & (size > 0)
