@@ -30,7 +30,7 @@ def draw_system(design, path: str | Path, *, wind_speed: float = 0.0) -> Path:
     from model.system.mooring import line_profiles, mooring_state
 
     plt = _plt()
-    figure = plt.figure(figsize=(11, 6.2))
+    figure = plt.figure(figsize=(12, 6.2))
     hull, structure, system = design.hull, ten_megawatt_structure(), design.mooring()
     lines, _ = line_profiles(system, mooring_state(system, np.zeros(6)))
     for k, (box, title) in enumerate((("near", "hull and turbine"), ("all", "with the lines"))):
@@ -57,12 +57,12 @@ def draw_system(design, path: str | Path, *, wind_speed: float = 0.0) -> Path:
         corner = np.array([[limits[0][i], limits[1][j], 0.0] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))])
         axes.add_collection3d(Poly3DCollection([corner], facecolors=WATER, alpha=0.22, edgecolors="none"))
         axes.set(xlim=limits[0], ylim=limits[1], zlim=limits[2], title=title)
-        axes.set_box_aspect([high - low for low, high in limits], zoom=1.25)
+        axes.set_box_aspect([high - low for low, high in limits], zoom=(0.92, 1.15)[k])
         axes.view_init(elev=12, azim=-62)
         axes.set_xlabel("x (m)", labelpad=4)
         axes.set_ylabel("y (m)", labelpad=4)
         axes.tick_params(labelsize=7, pad=0)
-    figure.subplots_adjust(left=0.0, right=0.98, bottom=0.03, top=0.93, wspace=0.02)
+    figure.subplots_adjust(left=0.0, right=0.94, bottom=0.03, top=0.92, wspace=0.12)
     figure.suptitle(f"column {float(hull.diameter):g} m, radius {float(hull.radius):g} m, draft {float(hull.draft):g} m, depth {design.depth:g} m", fontsize=10)
     return _saved(figure, path)
 

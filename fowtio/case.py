@@ -13,6 +13,7 @@ from fowtio.case_validation import TABLES, DecayReference, Reference, decays, re
 from fowtio.errors import CaseError, FormatError, Problem
 from fowtio.read.openfast_input import InputFile, read_input
 from fowtio.read.text import number
+from fowtio.rotor import ROTOR_NAMES, RotorEntry, rotor_entry
 from model.conventions import PLATFORM_DOFS
 from model.environment.sea import SeaState
 from model.response.sections import ExtraOutputs
@@ -92,6 +93,7 @@ class Case:
     references: tuple[Reference, ...] = ()
     decays: tuple[DecayReference, ...] = ()
     direct: tuple[Path, ...] = ()
+    rotor: RotorEntry | None = None
 
 
 ALL_DOFS = ("all",)
@@ -106,7 +108,7 @@ _OPTIONS = {
     "Duration": ("duration", float),
 }  # fmt: skip
 _EXTRAS = ("TowerSections", "ModalTowerLoads", "AnchorTensions", "AirGapPoints", "DirectLin")
-_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "NRef", *_EXTRAS, *_OPTIONS)
+_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "NRef", *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
 _COLUMNS = ("WindSpeed", "LinFiles", "LinDeck", "MassMatrix", "Name", "Turbulence", "Spectrum", "State", "RefFiles", "(m/s)", "(-)")
 
 
@@ -139,6 +141,7 @@ def load(path: str | Path) -> Case:
         references=problems.get(lambda: references(source, problems, _glob), ()),
         decays=problems.get(lambda: decays(source, problems, _glob), ()),
         direct=problems.get(lambda: _direct(source, problems), ()),
+        rotor=problems.get(lambda: rotor_entry(source)),
     )  # fmt: skip
     _check_consistency(case, problems)
     problems.raise_all()
@@ -419,9 +422,9 @@ def _check_consistency(case: Case, problems: _Problems) -> None:
         if names and reference.state not in names:
             problems.add(f"the reference names state {reference.state!r}; states are {', '.join(names)}", reference.line)
     speeds = [e.wind_speed for e in case.linearisations if e.wind_speed > 0]
-    for state in case.states:
+    for state in case.states if case.rotor is None else ():
         if state.wind_speed > 0 and not speeds:
-            problems.add(f"state {state.name!r} has wind ({state.wind_speed:g} m/s), but no linearisation is at a wind speed above 0", state.line)
+            problems.add(f"state {state.name!r} has wind ({state.wind_speed:g} m/s), but the study names no linearisation at a wind speed above 0 and no RotorTable", state.line)
         elif state.wind_speed > 0 and not min(speeds) - 0.05 <= state.wind_speed <= max(speeds) + 0.05:
             problems.add(
                 f"state {state.name!r}: wind speed {state.wind_speed:g} m/s lies outside the linearisations "

@@ -79,8 +79,8 @@ def table_loads(
 ) -> TableLoads:  # fmt: skip
     """Return the loads of a study's turbine in all states of a table.
 
-    The model is linearised at whole wind speeds; slower and faster winds than the study's linearisations take the nearest, with
-    their own turbulence. Parked states have waves only.
+    The model is linearised at whole wind speeds. Winds slower or faster than the study's linearisations take the nearest one
+    with their own turbulence, the slower ones with smaller gusts in proportion. Parked states have waves only.
 
     Parameters
     ----------
@@ -167,6 +167,7 @@ def _point_speeds(case: Case, table: StateTable) -> tuple[np.ndarray, list[str]]
         raise ModelError(f"{case.path}: the turbine runs in {int(runs.sum())} states, but the study has no linearisation at a wind speed")
     speeds = np.round(table.wind_speed / SPEED_STEP) * SPEED_STEP
     notes = []
+    scaled = {"below": ", its gusts reduced as the thrust's slope is (thrust grows with the square of the wind)", "above": ""}
     if runs.any():
         low, high = known[0], known[-1]
         clipped = np.clip(speeds, low, high)
@@ -175,7 +176,7 @@ def _point_speeds(case: Case, table: StateTable) -> tuple[np.ndarray, list[str]]
             if (beyond & runs).any():
                 notes.append(
                     f"{int((beyond & runs).sum())} states ({100 * share:.2g} % of the time) have winds {words} the linearisations; "
-                    f"they take the one at {bound:g} m/s, with their own turbulence"
+                    f"they take the one at {bound:g} m/s with their own turbulence" + scaled[words]
                 )
         speeds = np.where(runs, clipped, 0.0)
     else:
@@ -208,11 +209,16 @@ def _groups(model: Model, table: StateTable, speeds: np.ndarray, turbulence: str
 
 
 def _wind(model: Model, speed: float, actual: float, turbulence: str | float, kind: str) -> WindState | None:
-    """Return the turbulent wind at an operating point's speed with the standard deviation of the actual speed."""
+    """Return the turbulent wind at an operating point's speed with the standard deviation of the actual speed.
+
+    Below the lowest operating point thrust is taken as proportional to the square of the wind, so its slope as proportional
+    to the wind: gusts are reduced by that ratio.
+    """
     if kind == "none" or (not isinstance(turbulence, str) and turbulence == 0):
         return None
     actual = max(actual, SPEED_STEP)
     sigma = turbulence_sigma(turbulence, kind, actual) if isinstance(turbulence, str) else turbulence * actual
+    sigma *= min(actual / speed, 1.0)
     structure, options = model.deck.elastodyn.structure, model.case.options
     return WindState(
         mean_speed=speed, hub_height=structure.hub_height, rotor_diameter=structure.rotor.diameter, spectrum=options.wind_spectrum,

@@ -11,6 +11,7 @@ from fowtio.validation import Validation
 from fowtio.write import tables
 from fowtio.write.quantities import people
 from fowtio.write.table import Column, Table
+from model.response.cummins import consistency_rows
 
 
 class Progress:
@@ -99,6 +100,8 @@ def show_check(model) -> None:
             ("states", ", ".join(s.name for s in model.states)),
         ],
     )
+    print()
+    show_rows("radiation", consistency_rows(hydro))
     show_table(tables.conditions(model))
     for point in model.points:
         show_table(tables.contained(point))

@@ -13,6 +13,7 @@ from fowtio.errors import CaseError, FormatError, ModelError, Problem
 from fowtio.read.hydrodyn import drag_members
 from fowtio.read.openfast_deck import Deck, deck_hydro, read_deck
 from fowtio.read.openfast_lin import read_openfast_lin
+from fowtio.rotor import rotor_turbine
 from model.conventions import PLATFORM_DOFS
 from model.environment.current import current_velocity
 from model.environment.rotor_wind import RotorSensitivity, rotor_sensitivity
@@ -37,6 +38,7 @@ from model.system.contributions import (
     turbine_of_linearisation,
     widen,
 )
+from model.system.controller import ROTOR_AZIMUTH
 from model.system.drag import DragMembers, steady_drag
 from model.system.hydro import HydroCoefficients, headings_cover
 from model.system.identified import SecondOrder, has_load_inputs, second_order
@@ -131,6 +133,8 @@ def build(case: Case, *, progress: Callable[[str], None] = lambda text: None, sp
         turbine, contained, more = _turbine(case, deck, None if dofs == ALL_DOFS else dofs, speed)
         notes += more
         kept = turbine.dofs if dofs == ALL_DOFS else dofs
+        if case.rotor is not None and speed == 0:
+            kept = tuple(d for d in kept if d != ROTOR_AZIMUTH)
         points.append(_operating_point(speed, turbine, contained, kept, parts, hydro, drag, flow, deck, case.options.extras))
         notes += _stretched(points[-1])
     omega = _omega(case, states, points)
@@ -274,6 +278,9 @@ def _turbine(case: Case, deck: Deck, dofs: Sequence[str], speed: float) -> tuple
         if deck.aerodynamics and not entries:
             note += " (the deck has aerodynamics: name linearisations at its wind speed in a study to have the wind)"
         return structural_matrices(deck.elastodyn.structure, modes), (), [note]
+    if case.rotor is not None:
+        turbine, notes = rotor_turbine(case.rotor, deck, dofs, speed)
+        return turbine, (), notes
     below = [s for s in entries if 0 < s < speed]
     above = [s for s in entries if s > speed]
     if not below or not above:
@@ -410,7 +417,8 @@ def _operating_point(
     structure, rotor = deck.elastodyn.structure, None
     if speed > 0:
         rotor = rotor_sensitivity(structure.rotor.diameter, structure.rotor.blades, turbine.rotor_speed, speed)
-        turbine = replace(turbine, gradient_force=_gradient_forces(structure, turbine, rotor))
+        if not np.any(turbine.gradient_force):
+            turbine = replace(turbine, gradient_force=_gradient_forces(structure, turbine, rotor))
     try:
         system = assemble(
             dofs, turbine, [turbine_contribution(turbine), *parts], hydro, drag, deck.mooring, deck.hydrodyn.quadratic_damping, flow

@@ -112,7 +112,7 @@ def linearise(
     point = model.at(entry.wind_speed)
     progress(f"solving {entry.name}")
     response, column, low_frequency = _respond(model, entry, point)
-    waves = wave_force(response)
+    waves = wave_force(point.system.hydro, response, low_frequency=low_frequency)
     own = _own_part(response, column)
     matters = importance(point.outputs, own, point.modes.frequency, BAND)
     progress("fitting radiation")
@@ -120,7 +120,7 @@ def linearise(
     excitation = None
     if "elevation" in inputs:
         progress("fitting excitation")
-        excitation = fit_wave_force(point.system.hydro, waves, column, matters, low_frequency=low_frequency)
+        excitation = fit_wave_force(waves, column, matters)
     groups = {_SPACE_GROUPS[g] for g in inputs if entry.wind_speed > 0 or g not in ("wind", "turbulence")}
     space = state_space(
         point.system, point.mean, point.outputs, response.drag_damping, radiation, excitation=excitation,

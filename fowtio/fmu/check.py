@@ -127,8 +127,7 @@ def compare_responses(exported: Exported, path: str | Path, driven: str, *, low:
         lines = np.intersect1d(lines, nodes)
     omega = 2 * np.pi * lines / repeat
     phase = np.exp(2j * np.pi * np.random.default_rng(1).random(len(lines)))
-    force = np.stack([np.interp(omega, found.waves.omega, f.real) + 1j * np.interp(omega, found.waves.omega, f.imag)
-                      for f in found.waves.force[found.column].T], axis=1)  # fmt: skip
+    force = found.waves.at(omega, found.column)
     channels = {v.channel: v.name for v in exported.description.of_kind("output") if v.channel}
     reference = _reference(found, omega, force)
     slowest = max(1e-4, -np.linalg.eigvals(found.space.a).real.max())

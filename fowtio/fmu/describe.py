@@ -261,15 +261,10 @@ def _parameters(space: StateSpace, sea: SeaTable | None, turbulence: TurbulenceT
 
 
 def sea_table(waves: WaveForce, columns: Sequence[int], omega, start: SeaState) -> SeaTable:
-    """Return the wave force of some headings of `waves` on fewer frequencies omega (n) [rad/s], linear between them."""
-    order = np.argsort(waves.heading[list(columns)])
-    chosen = [list(columns)[k] for k in order]
-    force = waves.force[chosen]
-    out = np.empty((len(chosen), len(omega), 6), dtype=complex)
-    for h in range(len(chosen)):
-        for k in range(6):
-            out[h, :, k] = np.interp(omega, waves.omega, force[h, :, k].real) + 1j * np.interp(omega, waves.omega, force[h, :, k].imag)
-    return SeaTable(omega=frozen(omega), heading=frozen(waves.heading[chosen]), force=frozen(out, dtype=complex), start=start)
+    """Return the wave force from some headings of `waves` at omega (n) [rad/s], between which it is taken as linear."""
+    chosen = [list(columns)[k] for k in np.argsort(waves.heading[list(columns)])]
+    force = np.stack([waves.at(omega, column) for column in chosen])
+    return SeaTable(omega=frozen(omega), heading=frozen(waves.heading[chosen]), force=frozen(force, dtype=complex), start=start)
 
 
 def turbulence_table(wind: WindState, rotor: RotorSensitivity, intensity: float) -> TurbulenceTable:

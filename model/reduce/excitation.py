@@ -51,49 +51,57 @@ class ExcitationFit:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WaveForce:
-    """Wave force per metre of amplitude, drag's part included: omega (n) [rad/s], headings (m) [rad], force (m, n, 6)."""
+    """Wave force per metre of amplitude: that of potential flow from the data, and drag's (m, n, 6) at omega (n) [rad/s], as it was
+    linearised for the response's sea; headings (m) [rad]; rows (6) true where the platform is free to move.
+    """
 
+    hydro: HydroCoefficients
+    low_frequency: str
     omega: np.ndarray
     heading: np.ndarray
-    force: np.ndarray
+    drag: np.ndarray
+    free: np.ndarray
 
     def __post_init__(self):
-        freeze(self, omega=("n",), heading=("m",), force=("m", "n", 6))
+        freeze(self, omega=("n",), heading=("m",), drag=("m", "n", 6), free=(6,))
+
+    def at(self, omega, column: int) -> np.ndarray:
+        """Return the force (k, 6) at frequencies omega (k) [rad/s] from one of the headings."""
+        omega = np.asarray(omega, dtype=float)
+        potential = excitation_at(self.hydro, omega, self.heading[column], low_frequency=self.low_frequency)
+        drag = [np.interp(omega, self.omega, f.real) + 1j * np.interp(omega, self.omega, f.imag) for f in self.drag[column].T]
+        return (potential + np.stack(drag, axis=1)) * self.free
 
 
-def wave_force(response: Response) -> WaveForce:
-    """Return the total wave force of a response: potential flow, and drag as it was linearised for the response's sea."""
+def wave_force(hydro: HydroCoefficients, response: Response, *, low_frequency: str = "hold") -> WaveForce:
+    """Return the wave force of a response, whose solution used the same coefficients and `low_frequency`."""
     here = [(PLATFORM_DOFS.index(d), response.dofs.index(d)) for d in response.dofs if d in PLATFORM_DOFS]
     rows, places = ([pair[k] for pair in here] for k in (0, 1))
+    drive = response.excitation
     full = np.einsum("nij,mnj->mni", response.dynamic_stiffness, response.to_wave)
-    force = np.zeros((*full.shape[:2], 6), dtype=complex)
-    force[..., rows] = full[..., places]
-    return WaveForce(omega=response.excitation.omega, heading=response.excitation.heading, force=force)
+    potential = excitation_at(hydro, drive.omega, drive.heading, low_frequency=low_frequency)
+    drag, free = np.zeros((*full.shape[:2], 6), dtype=complex), np.zeros(6)
+    drag[..., rows] = full[..., places] - potential[..., rows]
+    free[rows] = 1.0
+    return WaveForce(hydro=hydro, low_frequency=low_frequency, omega=drive.omega, heading=drive.heading, drag=drag, free=free)
 
 
-def fit_wave_force(
-    hydro: HydroCoefficients, waves: WaveForce, column: int, matters: Importance, *, low_frequency: str = "hold", band=(LOW, 3.2)
-) -> ExcitationFit:
+def fit_wave_force(waves: WaveForce, column: int, matters: Importance, *, band=(LOW, 3.2)) -> ExcitationFit:
     """Return the causal state space of the wave force from one heading (its place among those of `waves`).
 
     The fit is judged at the frequencies of the data: between them the model interpolates the force linearly, with kinks that
     no impulse response of reasonable length has. band [rad/s] outside which nothing is fitted.
     """
-    data = np.array([w for w in hydro.omega if band[0] <= w <= band[1]])
+    data = np.array([w for w in waves.hydro.omega if band[0] <= w <= band[1]])
     data = np.unique(np.concatenate([np.geomspace(band[0] * 1.05, data[0], 3)[:-1], data]))
     between = waves.omega[(waves.omega >= band[0]) & (waves.omega <= band[1])]
     omega, first = np.unique(np.concatenate([data, between]), return_index=True)
     nodes = first < len(data)
-    heading = waves.heading[column]
-    drag = waves.force[column] - excitation_at(hydro, waves.omega, heading, low_frequency=low_frequency)
-    drag = np.stack([np.interp(omega, waves.omega, f.real) + 1j * np.interp(omega, waves.omega, f.imag) for f in drag.T], axis=1)
-    force = excitation_at(hydro, omega, heading, low_frequency=low_frequency) + drag
-    driven = np.any(waves.force[column] != 0, axis=0)
-    force = force * driven
+    force = waves.at(omega, column)
     size = np.abs(force)
     peak = size[nodes].max(axis=0)
     lever = np.where(np.arange(6) < 3, 1.0, 30.0)  # m, to tell forces and moments that are there from rounding
-    alive = driven & (peak > 1e-4 * lever * (peak / lever).max(initial=0.0))
+    alive = (peak > 0) & (peak > 1e-4 * lever * (peak / lever).max(initial=0.0))
     sensitive = np.stack([np.interp(omega, data, s) for s in pooled(matters.omega, matters.force, data).T], axis=1)
     with np.errstate(divide="ignore"):
         weight = np.minimum(np.maximum(sensitive, 0.3 / peak), CAP / size + 1 / peak)

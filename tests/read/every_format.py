@@ -19,7 +19,7 @@ from fowtio.write.series import write_series_netcdf
 OUT_TEXT = "Time\tPtfmSurge\n(s)\t(m)\n0.0\t1.5\n0.1\t1.6\n"
 CSV = "time,Hs (m),wind speed (m/s)\n2020-01-01 00:00,1.5,8\n2020-01-01 01:00,1.6,9\n"
 SERIES_CSV = "Time (s),PtfmSurge (m),T[1] (N)\n0.0,1.5,1e6\n0.1,1.6,1.1e6\n"
-_POLAR = " 1.000000E+00 9.000000E+01 0.000000E+00 1.000000E+00\n"
+_POLAR = " 1.000000E+00 0.000000E+00 1.000000E+00 0.000000E+00\n"
 
 
 def every_format(folder: Path) -> dict[str, Path]:
@@ -86,11 +86,14 @@ def _hydro(folder: Path) -> dict[str, Path]:
     folder.mkdir()
     body = synthetic(gravity=9.81)
     rows = {
-        "WAMIT_MOTION": (".4", f" 5.0 0.0 3{_POLAR}"),
-        "WAMIT_DRIFT": (".8", f" 5.0 0.0 0.0 1{_POLAR}"),
-        "WAMIT_SECOND_ORDER": (".12d", f" 5.0 5.0 0.0 0.0 1{_POLAR.replace('9.000000E+01 0.000000E+00 1', '0.0 1.0 0')}"),
+        "WAMIT_MOTION": (".4", " {t} 0.0 3"),
+        "WAMIT_DRIFT": (".8", " {t} 0.0 0.0 1"),
+        "WAMIT_SECOND_ORDER": (".12d", " {t} {t} 0.0 0.0 1"),
     }
-    out = {name: put(folder / f"extra{suffix}", text * 1) for name, (suffix, text) in rows.items()}
+    out = {
+        name: put(folder / f"extra{suffix}", "".join(row.format(t=t) + _POLAR for t in (5.0, 9.0)))
+        for name, (suffix, row) in rows.items()
+    }
     nemoh = folder / "nemoh"
     nemoh.mkdir()
     return out | {
