@@ -360,7 +360,19 @@ def contour(
     from fowtio import site_report, terminal
     from fowtio.case import load
     from fowtio.contour_study import contour_study, open_site
+    from fowtio.plane_contour import plane_record, plane_study
 
+    with terminal.Progress(quiet=quiet or json) as say:
+        pair = plane_record(site)
+        if pair is not None:
+            plane = plane_study(*pair, return_period, wind=wind, method=method, progress=say)
+            files = site_report.save_plane(plane, out, figures, say)
+    if pair is not None:
+        if json:
+            _print_json(site_report.plane_json(plane, files))
+        elif not quiet:
+            site_report.show_plane(plane, files)
+        return
     with terminal.Progress(quiet=quiet or json) as say:
         place, fit, states, record = open_site(
             site, hub_height=hub_height, depth=depth, wind_height=wind_height, shear=shear, wind=wind, method=method

@@ -10,9 +10,9 @@ import numpy as np
 
 from fowtio.case import Case
 from fowtio.errors import FormatError, ModelError
-from fowtio.fatigue_study import ResponseSearch, contour_search
 from fowtio.read.metocean import Metocean, read_metocean
 from fowtio.site import SUFFIX, Site, describe_report, load_site, shipped_sites, site_of_record
+from fowtio.ultimate import ResponseSearch, contour_search
 from model.environment.contours import crest, iform_surface, isoline, level_range, reliability_index
 from model.environment.joint import JointModel
 from model.environment.metocean import Fit, bootstrap
@@ -23,8 +23,8 @@ REFERENCE_PERIOD = 1.0  # years: of the fatigue states of the thesis
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Isoline:
-    """One isoline: hub_wind_speed [m/s]; line (n, 3) of hub wind speed, Hs [m], Tp [s]; max_hs and max_tp, the states (3) with the
-    largest height and period; max_hs_interval (2) of the bootstrap, None for given distributions.
+    """One isoline: hub_wind_speed [m/s]; line (n, 3) of hub wind speed, Hs [m], Tp [s]; max_hs and max_tp, the states
+    (3) with the largest height and period; max_hs_interval (2) of the bootstrap, None for given distributions.
     """
 
     hub_wind_speed: float
@@ -36,8 +36,9 @@ class Isoline:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContourStudy:
-    """The contour of a site: return period [years], beta, isolines, those of one year beside them, the surface (k, l, 3), range of
-    hub wind speeds, search for the worst state of a response; fit, states and record of a fitted site (None of a given one).
+    """The contour of a site: return period [years], beta, isolines, those of one year beside them, the surface (k, l,
+    3), range of hub wind speeds, search for the worst state of a response; fit, states and record of a fitted site
+    (None of a given one).
     """
 
     site: Site
@@ -55,10 +56,19 @@ class ContourStudy:
 
 
 def contour_study(
-    site: Site, return_period: float = 50.0, speeds: Sequence[float] | None = None, *, fit: Fit | None = None,
-    states: Mapping[str, np.ndarray] | None = None, record: Metocean | None = None, replicates: int = 100,
-    block_days: float = 30.0, case: Case | None = None, channel: str = "TwrBsMyt", progress: Callable[[str], None] = QUIET,
-) -> ContourStudy:  # fmt: skip
+    site: Site,
+    return_period: float = 50.0,
+    speeds: Sequence[float] | None = None,
+    *,
+    fit: Fit | None = None,
+    states: Mapping[str, np.ndarray] | None = None,
+    record: Metocean | None = None,
+    replicates: int = 100,
+    block_days: float = 30.0,
+    case: Case | None = None,
+    channel: str = "TwrBsMyt",
+    progress: Callable[[str], None] = QUIET,
+) -> ContourStudy:
     """Return the contour of a site.
 
     Parameters
@@ -75,7 +85,9 @@ def contour_study(
     ModelError : a return period too short, no speed on the contour, a distribution of other variables.
     """
     if len(site.model.variables) != 3:
-        raise ModelError(f"{site.path}: a contour surface needs wind speed, Hs and Tp; there are {', '.join(site.model.names)}")
+        raise ModelError(
+            f"{site.path}: a contour surface needs wind speed, Hs and Tp; there are {', '.join(site.model.names)}"
+        )
     try:
         beta = reliability_index(return_period, site.state_duration)
     except ValueError as error:
@@ -85,8 +97,14 @@ def contour_study(
     low, high = (value * site.to_hub for value in level_range(site.model, beta))
     reached = [float(s) for s in speeds if low < s < high]
     if not reached:
-        raise ModelError(f"the contour goes from {low:.3g} to {high:.3g} m/s at hub height; none of the wind speeds lies on it")
-    notes = [f"{len(speeds) - len(reached)} of {len(speeds)} wind speeds lie beyond the contour"] if len(reached) < len(speeds) else []
+        raise ModelError(
+            f"the contour goes from {low:.3g} to {high:.3g} m/s at hub height; none of the wind speeds lies on it"
+        )
+    notes = (
+        [f"{len(speeds) - len(reached)} of {len(speeds)} wind speeds lie beyond the contour"]
+        if len(reached) < len(speeds)
+        else []
+    )
     copies: tuple[JointModel, ...] = ()
     if fit is not None and all(v.method == "likelihood" for v in fit.variables):
         progress("bootstrap")
@@ -97,19 +115,35 @@ def contour_study(
     surface = iform_surface(site.model, beta).copy()
     surface[..., 0] *= site.to_hub
     return ContourStudy(
-        site=site, return_period=return_period, beta=beta, isolines=found, reference=_reference(site, return_period, reached),
-        surface=surface, hub_range=(low, high), search=search, fit=fit, states=states, record=record, notes=tuple(notes),
-    )  # fmt: skip
+        site=site,
+        return_period=return_period,
+        beta=beta,
+        isolines=found,
+        reference=_reference(site, return_period, reached),
+        surface=surface,
+        hub_range=(low, high),
+        search=search,
+        fit=fit,
+        states=states,
+        record=record,
+        notes=tuple(notes),
+    )
 
 
 def open_site(
-    name: str | Path, *, hub_height: float | None = None, depth: float | None = None, wind_height: float | None = None,
-    shear: float | None = None, wind: str = "exponentiated", method: str = "likelihood",
-) -> tuple[Site, Fit | None, Mapping[str, np.ndarray] | None, Metocean | None]:  # fmt: skip
+    name: str | Path,
+    *,
+    hub_height: float | None = None,
+    depth: float | None = None,
+    wind_height: float | None = None,
+    shear: float | None = None,
+    wind: str = "exponentiated",
+    method: str = "likelihood",
+) -> tuple[Site, Fit | None, Mapping[str, np.ndarray] | None, Metocean | None]:
     """Return the site of a site file, of a name that comes with fowtio, or fitted to a metocean record.
 
-    hub_height and depth are needed with a record; with a site file they, wind_height and shear replace the file's. Returns
-    the site, and of a record the fit, the states and the record. Raises FormatError, CaseError, ModelError.
+    hub_height and depth are needed with a record; with a site file they, wind_height and shear replace the file's.
+    Returns the site, and of a record the fit, the states and the record. Raises FormatError, CaseError, ModelError.
     """
     path = Path(name)
     given = {"hub_height": hub_height, "depth": depth, "wind_height": wind_height, "shear": shear}
@@ -117,7 +151,12 @@ def open_site(
     if path.suffix.lower() == SUFFIX or (not path.is_file() and (str(name) in shipped_sites() or not path.suffix)):
         return replace(load_site(name), **given), None, None, None
     if not path.is_file():
-        raise FormatError(path, expected="a site file, a metocean record or the name of a site", found=str(name), hint=f"Sites: {', '.join(shipped_sites())}")
+        raise FormatError(
+            path,
+            expected="a site file, a metocean record or the name of a site",
+            found=str(name),
+            hint=f"Sites: {', '.join(shipped_sites())}",
+        )
     missing = [option for option, key in (("--hub-height", "hub_height"), ("--depth", "depth")) if key not in given]
     if missing:
         raise ModelError(f"{path} is a metocean record; a site also needs {' and '.join(missing)}")

@@ -40,14 +40,27 @@ SUFFIX = ".cost"
 TITLE_RULE = "FOWTIO COST FILE"
 STEEL_DENSITY = 7850.0
 _HULL = {
-    "MainDiameter": "main_diameter", "MainFreeboard": "main_freeboard", "NColumns": "columns", "ColumnFreeboard": "column_freeboard",
-    "PlateHeight": "plate_height", "PlateDiameter": "plate_diameter", "BraceDiameter": "brace_diameter", "ColumnWall": "column_wall",
-    "MainWall": "main_wall", "BraceWall": "brace_wall",
-}  # fmt: skip
+    "MainDiameter": "main_diameter",
+    "MainFreeboard": "main_freeboard",
+    "NColumns": "columns",
+    "ColumnFreeboard": "column_freeboard",
+    "PlateHeight": "plate_height",
+    "PlateDiameter": "plate_diameter",
+    "BraceDiameter": "brace_diameter",
+    "ColumnWall": "column_wall",
+    "MainWall": "main_wall",
+    "BraceWall": "brace_wall",
+}
 _PRICES = {
-    "PriceSteel": "steel", "PriceConcrete": "concrete", "PriceLabour": "labour", "PriceChain": "chain", "PriceWire": "wire",
-    "PriceDragAnchor": "drag_anchor", "PricePile": "pile", "PricePaint": "paint",
-}  # fmt: skip
+    "PriceSteel": "steel",
+    "PriceConcrete": "concrete",
+    "PriceLabour": "labour",
+    "PriceChain": "chain",
+    "PriceWire": "wire",
+    "PriceDragAnchor": "drag_anchor",
+    "PricePile": "pile",
+    "PricePaint": "paint",
+}
 _SITE = {"WaterDepth": None, "WaterDensity": 1025.0, "Gravity": 9.80665, "TurbineMass": None, "Thrust": None}
 _LINE = {"LineMass": None, "LineStiffness": None, "LineVolume": "steel"}
 _OTHER = {"PlateLength": 10.0, "PlateWidth": 4.0, "Difficulty": 1.0, "AnchorSafety": SAFETY, "HangingShare": 0.15}
@@ -88,8 +101,8 @@ class CostStudy:
 def cost_study(name: str | Path) -> CostStudy:
     """Return the cost of every design of a cost file, or of one that comes with fowtio by its name.
 
-    Raises CaseError with everything wrong at once, designs that cannot be among them; FormatError when the file cannot be
-    read at all.
+    Raises CaseError with everything wrong at once, designs that cannot be among them; FormatError when the file cannot
+    be read at all.
     """
     path = shipped(name, SUFFIX, "cost file")
     source = read_input(path)
@@ -123,11 +136,16 @@ def _design(name: str, values: Sequence[float], settings: dict) -> DesignCost:
     weight = (mass - settings["WaterDensity"] * volume) * settings["Gravity"]
     spread = spread_under_thrust(
         SpreadLine(
-            count=hull.columns, anchor_radius=anchor_radius, fairlead_radius=hull.fairlead_radius,
-            fairlead_height=settings["WaterDepth"] - hull.fairlead_depth, length=length, weight=weight, stiffness=settings["LineStiffness"],
+            count=hull.columns,
+            anchor_radius=anchor_radius,
+            fairlead_radius=hull.fairlead_radius,
+            fairlead_height=settings["WaterDepth"] - hull.fairlead_depth,
+            length=length,
+            weight=weight,
+            stiffness=settings["LineStiffness"],
         ),
         settings["Thrust"],
-    )  # fmt: skip
+    )
     make = drag_anchor if settings["Anchor"] == "drag" else suction_pile
     anchor = make(spread.horizontal, max(spread.uplift, 0.0), settings["Soil"], settings["AnchorSafety"])
     lines = hull.columns * length * mass
@@ -135,9 +153,15 @@ def _design(name: str, values: Sequence[float], settings: dict) -> DesignCost:
     carried = sum(p.mass for p in plating) + settings["TurbineMass"] + hanging
     ballast = ballast_mass(displaced_volume(hull), carried, settings["WaterDensity"])
     items = cost_items(
-        plating, ballast, lines, hull.columns * anchor.mass, line=settings["Line"], anchor=anchor.kind, prices=settings["prices"],
+        plating,
+        ballast,
+        lines,
+        hull.columns * anchor.mass,
+        line=settings["Line"],
+        anchor=anchor.kind,
+        prices=settings["prices"],
         layout=settings["layout"],
-    )  # fmt: skip
+    )
     return DesignCost(name=name, hull=hull, plating=plating, spread=spread, anchor=anchor, ballast=ballast, items=items)
 
 

@@ -22,10 +22,11 @@ def inspection_json(found: Inspection) -> dict:
 
 def show_inspection(found: Inspection) -> None:
     """Print what a file is and holds, and its problems, folded to the width of the terminal."""
-    print(f"{found.path}: {found.format}")
+    print(found.path)
     width = min(shutil.get_terminal_size((WIDEST, 24)).columns, WIDEST)
-    labels = max((len(label) for label, _ in found.rows), default=0)
-    for label, text in found.rows:
+    rows = [("format", found.format), *found.rows]
+    labels = max(len(label) for label, _ in rows)
+    for label, text in rows:
         print(_folded(text, f"  {label.ljust(labels)}  ", width))
     count = len(found.problems)
     print(f"\n{count} {'problem' if count == 1 else 'problems'}" if count else "\nno problems")

@@ -12,7 +12,7 @@ from fowtio.case_validation import Reference
 from fowtio.errors import ModelError
 from fowtio.read.openfast_out import TimeSeries, read_openfast_out
 
-WAVE, WIND = "Wave1Elev", "Wind1VelX"
+WAVE, WIND, THRUST = "Wave1Elev", "Wind1VelX", "RtAeroFxh"
 FEWEST_SAMPLES = 100
 _ALIASES = {
     "PtfmSurge": r"PtfmTDx[it]|(?:B1|PRP)Surge|Surge", "PtfmSway": r"PtfmTDy[it]|(?:B1|PRP)Sway|Sway",
@@ -21,6 +21,7 @@ _ALIASES = {
     "TTDspFA": r"YawBrTDxt|TwrTpTDxt", "TTDspSS": r"YawBrTDyt|TwrTpTDyt", "NcIMUTAxs": r"NacIMUTAxs", "NcIMUTAys": r"NacIMUTAys",
     "TwrBsFxt": r"TwrBsFxt1|TwrBsShrFA|TwrBsFx", "TwrBsFyt": r"TwrBsFyt1|TwrBsFy", "TwrBsMyt": r"TwrBsMyt1|TwrBsMomFA|TwrBsMy",
     "TwrBsMxt": r"TwrBsMxt1|TwrBsMx", WAVE: r"WaveElev1?|Wave1Elv|Waves1Elev|WaveElevation", WIND: r"WindVxi|Wind1VelXi|WindHubVelX|HubWindX",
+    THRUST: r"RtFldFxh|RtAeroFxhub|RotAeroThrust",
 }  # fmt: skip
 _LINE = r"T_?#|FairTen#|FairT#|(?:L|Line)_?#_?FairT(?:en|ension)?|Line#(?:_?Fair)?_?T(?:en|ension)?|(?:L|Line)#_?Fairlead_?Tension"
 _ANCHOR = r"T_?a\[?#\]?|AnchTen#|AnchT#|(?:L|Line)_?#_?AnchT(?:en|ension)?"
@@ -47,7 +48,7 @@ class Finding:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Records:
     """Records of one state: files (s); step [s]; start, the first sample after the transient; waves: s arrays (t) [m]; wind: s arrays
-    (t) [m/s] or None; names, units (c) of the channels, channels: s arrays (t, c) in SI, whole records; written: name in the
+    (t) [m/s] at the hub and thrust of the air: s arrays (t) [N], each or None; names, units (c) of the channels, channels: s arrays (t, c) in SI, whole records; written: name in the
     files of each channel; unmatched channels of the files; missing channels of the model; what was noticed.
     """
 
@@ -56,6 +57,7 @@ class Records:
     start: int
     waves: list[np.ndarray]
     wind: list[np.ndarray] | None
+    thrust: list[np.ndarray] | None
     names: tuple[str, ...]
     units: tuple[str, ...]
     channels: list[np.ndarray]
@@ -122,7 +124,7 @@ def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequen
     if min(len(s.time) for s in series) - start < FEWEST_SAMPLES:
         raise ModelError(f"{series[0].source}: fewer than {FEWEST_SAMPLES} samples remain after {reference.discard:g} s are discarded")
     own = reference.channels
-    places = {n: [find_channel(n, s.names, own) for s in series] for n in (*names, WAVE, WIND)}
+    places = {n: [find_channel(n, s.names, own) for s in series] for n in (*names, WAVE, WIND, THRUST)}
     for name, found in places.items():
         _note_partly_missing(name, found, series, findings)
     if any(p is None for p in places[WAVE]):
@@ -133,14 +135,17 @@ def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequen
     moving = _moving(data, dict(zip(names, units, strict=True)), start)
     if not moving:
         raise ModelError(f"{series[0].source} has none of the model's channels ({', '.join(names)}) in motion")
-    used = {p[0].lower() for n in (*moving, WAVE) for p in places[n] if p is not None}
-    windy = all(p is not None for p in places[WIND])
-    used |= {places[WIND][0][0].lower()} if windy else set()
+    inputs = [n for n in (WAVE, WIND, THRUST) if all(p is not None for p in places[n])]
+    used = {p[0].lower() for n in (*moving, *inputs) for p in places[n] if p is not None}
     unmatched = tuple(dict.fromkeys(n for s in series for n in s.names if n.lower() not in used))
+
+    def read(name, unit):
+        return [in_si(s, p, unit, findings) for s, p in zip(series, places[name], strict=True)] if name in inputs else None
+
     missing = tuple(n for n in names if n not in present)
     return Records(
-        files=tuple(str(f) for f in reference.files), step=step, start=start, waves=[s.channel(p[0]) * p[1] for s, p in zip(series, places[WAVE], strict=True)],
-        wind=[s.channel(p[0]) for s, p in zip(series, places[WIND], strict=True)] if windy else None, names=tuple(moving),
+        files=tuple(str(f) for f in reference.files), step=step, start=start, waves=read(WAVE, "m"), wind=read(WIND, "m/s"),
+        thrust=read(THRUST, "N"), names=tuple(moving),
         units=tuple(units[names.index(n)] for n in moving),
         channels=[np.stack([data[n][k] for n in moving], axis=1) for k in range(len(series))], written=tuple(places[n][0][0] for n in moving),
         unmatched=unmatched, missing=missing, findings=tuple(dict.fromkeys(findings)),

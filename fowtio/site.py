@@ -66,9 +66,14 @@ class Site:
 
 
 _NUMBERS = {
-    "WaterDepth": ("depth", None), "WindHeight": ("wind_height", 10.0), "HubHeight": ("hub_height", None), "ShearExp": ("shear", 0.14),
-    "StateDuration": ("state_duration", 1.0), "CutIn": ("cut_in", 4.0), "CutOut": ("cut_out", 25.0),
-}  # fmt: skip
+    "WaterDepth": ("depth", None),
+    "WindHeight": ("wind_height", 10.0),
+    "HubHeight": ("hub_height", None),
+    "ShearExp": ("shear", 0.14),
+    "StateDuration": ("state_duration", 1.0),
+    "CutIn": ("cut_in", 4.0),
+    "CutOut": ("cut_out", 25.0),
+}
 _NAMES = (*_NUMBERS, "Gamma", "Turbulence", "NPar")
 
 
@@ -120,9 +125,17 @@ def load_site(name: str | Path) -> Site:
 
 
 def site_of_record(
-    record: Metocean, *, hub_height: float, depth: float, wind_height: float = 10.0, shear: float = 0.14,
-    wind: str = "exponentiated", method: str = "likelihood", forms: Sequence[VariableForm] | None = None, title: str = "",
-) -> tuple[Site, Fit, dict[str, np.ndarray]]:  # fmt: skip
+    record: Metocean,
+    *,
+    hub_height: float,
+    depth: float,
+    wind_height: float = 10.0,
+    shear: float = 0.14,
+    wind: str = "exponentiated",
+    method: str = "likelihood",
+    forms: Sequence[VariableForm] | None = None,
+    title: str = "",
+) -> tuple[Site, Fit, dict[str, np.ndarray]]:
     """Return the site of a metocean record, the fit, and the states (by name) it was fitted to.
 
     Parameters
@@ -154,9 +167,16 @@ def site_of_record(
         raise ModelError(f"{record.source}: {error}") from None
     hours = record.report.step / 3600
     site = Site(
-        path=Path(record.source), title=title or Path(record.source).stem, model=fit.model, depth=depth, wind_height=wind_height,
-        hub_height=hub_height, shear=shear, state_duration=hours if 0 < hours <= 24 else 1.0, report=record.report,
-    )  # fmt: skip
+        path=Path(record.source),
+        title=title or Path(record.source).stem,
+        model=fit.model,
+        depth=depth,
+        wind_height=wind_height,
+        hub_height=hub_height,
+        shear=shear,
+        state_duration=hours if 0 < hours <= 24 else 1.0,
+        report=record.report,
+    )
     return site, fit, states
 
 
@@ -164,13 +184,18 @@ def describe_report(report: MetoceanReport) -> str:
     """Return what was found wrong in a record in one line, with counts; "nothing wrong" for a clean one."""
     found = []
     for words, counts in (
-        ("missing", report.missing), ("sentinels", report.sentinel), ("out of range", report.out_of_range), ("unreadable", report.unreadable),
-    ):  # fmt: skip
+        ("missing", report.missing),
+        ("sentinels", report.sentinel),
+        ("out of range", report.out_of_range),
+        ("unreadable", report.unreadable),
+    ):
         found += [f"{count} {quantity.replace('_', ' ')} {words}" for quantity, count in counts.items() if count]
     for words, count in (
-        ("unreadable times", report.bad_times), ("duplicated rows", report.duplicates), ("rows that contradict another", report.conflicting),
+        ("unreadable times", report.bad_times),
+        ("duplicated rows", report.duplicates),
+        ("rows that contradict another", report.conflicting),
         ("rows out of order", report.unsorted),
-    ):  # fmt: skip
+    ):
         found += [f"{count} {words}"] if count else []
     if report.gaps:
         found.append(f"{report.gaps} gaps of {report.missing_steps} steps in all")
@@ -188,7 +213,9 @@ def site_text(site: Site) -> str:
     """Return a site as the text of its file; numbers in full, so that reading gives the same site."""
     turbulence = f'"{site.turbulence}"' if isinstance(site.turbulence, str) else f"{100 * site.turbulence:.12g}"
     lines = [
-        _rule(f"{TITLE_RULE} "), site.title, _rule(" SITE "),
+        _rule(f"{TITLE_RULE} "),
+        site.title,
+        _rule(" SITE "),
         _line(site.depth, "WaterDepth", "depth of the water (m)"),
         _line(site.wind_height, "WindHeight", "height above still water of the wind speed below (m)"),
         _line(site.hub_height, "HubHeight", "height of the turbine's hub (m)"),
@@ -196,12 +223,18 @@ def site_text(site: Site) -> str:
         _line(site.state_duration, "StateDuration", "duration of a state (h)"),
         _line(site.cut_in, "CutIn", "wind speed at hub height from which the turbine runs (m/s)"),
         _line(site.cut_out, "CutOut", "and up to which (m/s)"),
-        _line('"DEFAULT"' if site.gamma is None else site.gamma, "Gamma", "JONSWAP peak factor; DEFAULT: that of each sea state (-)"),
+        _line(
+            '"DEFAULT"' if site.gamma is None else site.gamma,
+            "Gamma",
+            "JONSWAP peak factor; DEFAULT: that of each sea state (-)",
+        ),
         _line(turbulence, "Turbulence", "class A+, A, B, C of IEC 61400-1, or intensity (%)"),
         _rule(" JOINT DISTRIBUTION "),
-    ]  # fmt: skip
+    ]
     rows = [(v, p, d) for v in site.model.variables for p, d in v.parameters.items()]
-    lines.append(_line(len(rows), "NPar", "rows of the table; forms: constant c1, power c1+c2 x^c3, exponential c1+c2 exp(c3 x)"))
+    lines.append(
+        _line(len(rows), "NPar", "rows of the table; forms: constant c1, power c1+c2 x^c3, exponential c1+c2 exp(c3 x)")
+    )
     cells = [_COLUMNS, ("(-)",) * len(_COLUMNS)]
     for v, parameter, d in rows:
         coefficients = [f"{c:.12g}" for c in d.coefficients] + ["-"] * (3 - len(d.coefficients))
@@ -300,7 +333,10 @@ def _row(row: Sequence[str]) -> tuple[str, str, str, Dependence]:
     for value, known, what in ((family, FAMILIES, "Family"), (form, FORMS, "Form")):
         if value not in known:
             near = difflib.get_close_matches(value, known, n=1)
-            raise ValueError(f"{what} is {value!r}" + (f"; did you mean {near[0]}?" if near else f", expected one of {', '.join(known)}"))
+            raise ValueError(
+                f"{what} is {value!r}"
+                + (f"; did you mean {near[0]}?" if near else f", expected one of {', '.join(known)}")
+            )
     coefficients = []
     for k, cell in enumerate(cells[: FORMS[form]], start=1):
         try:
@@ -309,4 +345,9 @@ def _row(row: Sequence[str]) -> tuple[str, str, str, Dependence]:
             raise ValueError(f"C{k} is {cell!r}, expected a number (the {form} form has {FORMS[form]})") from None
     if form == "constant":
         return name, family, parameter, constant(coefficients[0])
-    return name, family, parameter, Dependence(form=form, coefficients=tuple(coefficients), given=None if given == "-" else given)
+    return (
+        name,
+        family,
+        parameter,
+        Dependence(form=form, coefficients=tuple(coefficients), given=None if given == "-" else given),
+    )

@@ -27,7 +27,9 @@ _PART = 256  # states solved at once: bounds the memory
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Group:
-    """States that share an operating point, a wind and a heading: point, indices (k) into the table, the wind (None: calm)."""
+    """States that share an operating point, a wind and a heading: point, indices (k) into the table, the wind (None:
+    calm).
+    """
 
     point: OperatingPoint
     states: np.ndarray
@@ -39,9 +41,9 @@ class Group:
 class TableLoads:
     """Loads of the s states of a table.
 
-    model; table; groups; channels (c) with units, mean (s, c), moments (s, c, 4) in Hz; tower (s, 4, 2, 2), the cross-spectral
-    moments of the tower-base moments about x and y; point_speed (s), the wind speed [m/s] of each state's operating
-    point; notes on what was assumed.
+    model; table; groups; channels (c) with units, mean (s, c), moments (s, c, 4) in Hz; tower (s, 4, 2, 2), the
+    cross-spectral moments of the tower-base moments about x and y; point_speed (s), the wind speed [m/s] of each
+    state's operating point; notes on what was assumed.
     """
 
     model: Model
@@ -74,13 +76,19 @@ class TableLoads:
 
 
 def table_loads(
-    case: Case, table: StateTable, *, turbulence: str | float = "B", gamma: float | None = None,
-    model: Model | None = None, progress: Callable[[str], None] = lambda text: None,
-) -> TableLoads:  # fmt: skip
+    case: Case,
+    table: StateTable,
+    *,
+    turbulence: str | float = "B",
+    gamma: float | None = None,
+    model: Model | None = None,
+    progress: Callable[[str], None] = lambda text: None,
+) -> TableLoads:
     """Return the loads of a study's turbine in all states of a table.
 
-    The model is linearised at whole wind speeds. Winds slower or faster than the study's linearisations take the nearest one
-    with their own turbulence, the slower ones with smaller gusts in proportion. Parked states have waves only.
+    The model is linearised at whole wind speeds. Winds slower or faster than the study's linearisations take the
+    nearest one with their own turbulence, the slower ones with smaller gusts in proportion. Parked states have waves
+    only.
 
     Parameters
     ----------
@@ -117,13 +125,24 @@ def table_loads(
                 tower[part] = load_moments(group.point.outputs, response, TOWER)
             done += len(part)
     return TableLoads(
-        model=model, table=table, gamma=gamma, groups=groups, channels=names, units=tuple(outputs.units[k] for k in loads),
-        mean=mean, moments=moments, tower=tower, point_speed=speeds, notes=(*model.notes, *notes),
-    )  # fmt: skip
+        model=model,
+        table=table,
+        gamma=gamma,
+        groups=groups,
+        channels=names,
+        units=tuple(outputs.units[k] for k in loads),
+        mean=mean,
+        moments=moments,
+        tower=tower,
+        point_speed=speeds,
+        notes=(*model.notes, *notes),
+    )
 
 
 def solve_group(model: Model, table: StateTable, group: Group, states, gamma: float | None) -> BatchResponse:
-    """Return the responses to some states (indices into the table) of one group; raise ModelError when drag does not converge."""
+    """Return the responses to some states (indices into the table) of one group; raise ModelError when drag does not
+    converge.
+    """
     system, omega, options = group.point.system, model.omega, model.case.options
     grid = prepare(system, omega, [group.heading], low_frequency=options.low_frequency_excitation)
     waves = np.array([wave_spectrum(_sea(table, k, gamma), omega) for k in states])[:, None]
@@ -141,7 +160,9 @@ def solve_group(model: Model, table: StateTable, group: Group, states, gamma: fl
 
 
 def stress_spectra(loads: TableLoads, states: Sequence[int], row) -> np.ndarray:
-    """Return the spectra (k, n) [unit2/(rad/s)] of one linear combination `row` (2) of the tower-base moments in some states."""
+    """Return the spectra (k, n) [unit2/(rad/s)] of one linear combination `row` (2) of the tower-base moments in some
+    states.
+    """
     out = np.empty((len(states), len(loads.model.omega)))
     for group in loads.groups:
         here = [k for k, state in enumerate(states) if state in set(group.states.tolist())]
@@ -154,9 +175,11 @@ def stress_spectra(loads: TableLoads, states: Sequence[int], row) -> np.ndarray:
 
 def _sea(table: StateTable, k: int, gamma: float | None) -> SeaState:
     return SeaState(
-        significant_height=float(table.significant_height[k]), peak_period=float(table.peak_period[k]), gamma=gamma,
+        significant_height=float(table.significant_height[k]),
+        peak_period=float(table.peak_period[k]),
+        gamma=gamma,
         heading=float(table.heading[k]),
-    )  # fmt: skip
+    )
 
 
 def _point_speeds(case: Case, table: StateTable) -> tuple[np.ndarray, list[str]]:
@@ -164,10 +187,15 @@ def _point_speeds(case: Case, table: StateTable) -> tuple[np.ndarray, list[str]]
     known = sorted(e.wind_speed for e in case.linearisations if e.wind_speed > 0)
     runs = table.operating > 0
     if runs.any() and not known:
-        raise ModelError(f"{case.path}: the turbine runs in {int(runs.sum())} states, but the study has no linearisation at a wind speed")
+        raise ModelError(
+            f"{case.path}: the turbine runs in {int(runs.sum())} states, but the study has no linearisation at a wind speed"
+        )
     speeds = np.round(table.wind_speed / SPEED_STEP) * SPEED_STEP
     notes = []
-    scaled = {"below": ", its gusts reduced as the thrust's slope is (thrust grows with the square of the wind)", "above": ""}
+    scaled = {
+        "below": ", its gusts reduced as the thrust's slope is (thrust grows with the square of the wind)",
+        "above": "",
+    }
     if runs.any():
         low, high = known[0], known[-1]
         clipped = np.clip(speeds, low, high)
@@ -211,8 +239,8 @@ def _groups(model: Model, table: StateTable, speeds: np.ndarray, turbulence: str
 def _wind(model: Model, speed: float, actual: float, turbulence: str | float, kind: str) -> WindState | None:
     """Return the turbulent wind at an operating point's speed with the standard deviation of the actual speed.
 
-    Below the lowest operating point thrust is taken as proportional to the square of the wind, so its slope as proportional
-    to the wind: gusts are reduced by that ratio.
+    Below the lowest operating point thrust is taken as proportional to the square of the wind, so its slope as
+    proportional to the wind: gusts are reduced by that ratio.
     """
     if kind == "none" or (not isinstance(turbulence, str) and turbulence == 0):
         return None
@@ -221,9 +249,13 @@ def _wind(model: Model, speed: float, actual: float, turbulence: str | float, ki
     sigma *= min(actual / speed, 1.0)
     structure, options = model.deck.elastodyn.structure, model.case.options
     return WindState(
-        mean_speed=speed, hub_height=structure.hub_height, rotor_diameter=structure.rotor.diameter, spectrum=options.wind_spectrum,
-        averaging=options.wind_averaging, turbulence_intensity=sigma / speed,
-    )  # fmt: skip
+        mean_speed=speed,
+        hub_height=structure.hub_height,
+        rotor_diameter=structure.rotor.diameter,
+        spectrum=options.wind_spectrum,
+        averaging=options.wind_averaging,
+        turbulence_intensity=sigma / speed,
+    )
 
 
 def _parts(states: np.ndarray) -> list[np.ndarray]:

@@ -13,19 +13,23 @@ from fowtio.case_validation import Reference, Tolerance
 from fowtio.errors import ModelError
 from fowtio.reference import Finding, Records, read_records
 from fowtio.reference_checks import agreement_findings, length_findings, sea_findings
-from fowtio.validation_lack import lacking
+from fowtio.validation_lack import Lack, lacking
 from fowtio.validation_model import (
+    THRUST_TOP,
     ModelSide,
     evaluate,
     one_wave,
-    own_inputs,
+    own_waves,
+    own_wind,
+    phase_at,
+    hub_ratio,
     quadratic_drag,
     response_spectrum,
+    rotor_wind,
     smoothed_rao,
     smoothed_spectrum,
 )
 from fowtio.workflow import Model
-from model.response.equivalent import Missing
 from model.response.identify import SEGMENT, Estimate, choose_segment, estimate
 from model.response.measures import (
     BANDS,
@@ -50,8 +54,9 @@ NAN = float("nan")
 class ChannelComparison:
     """One channel, model against reference; errors are fractions, NaN where a figure does not apply. docs/validation.md defines them.
 
-    std_error: σ of model over reference less one, in the reference's own wave (and wind) spectra; std_error_state: in the state's
-    spectra; same_waves: driven by the reference's own wave records; nonlinear: likewise, with quadratic drag itself; memory: that and
+    std_error: σ of model over reference less one, in the reference's own wave spectrum (and the wind that its rotor felt);
+    std_error_state: in the state's spectra; hub: with the wind of the reference at the hub; same_waves: driven by the reference's own
+    wave records (and that wind); nonlinear: likewise, with quadratic drag itself; memory: that and
     the radiation memory as HydroDyn convolves it. scatter and interval (half width, 95 %) are the reference's own from seed to seed.
     rao_error weighs amplitudes by energy over the whole band, band_errors (4) over bands; estimator_error is what a perfect model
     would have. correlation: time history with the model's amplitudes and the reference's phases; correlation_same_waves: predicted
@@ -65,6 +70,7 @@ class ChannelComparison:
     std_reference: float
     std_error: float
     std_error_state: float
+    std_error_hub: float
     std_error_same_waves: float
     std_error_nonlinear: float
     std_error_memory: float
@@ -125,11 +131,12 @@ class Validation:
     """A comparison of one state with its time series.
 
     kind: "waves" (RAOs against one long-crested sea), "spectra" (wind or several headings) or "mean" (nothing moves). channels;
-    estimate of the reference and model_rao (smoothed by its window), model_rao_raw, quadratic_rao, memory_rao on its frequencies (n, c);
+    estimate of the reference and model_rao (smoothed by its window), model_rao_raw, model_phase [rad], quadratic_rao, memory_rao on its frequencies (n, c);
     model_spectrum and model_spectrum_raw (n, c) per Hz in the reference's own inputs, wave_part (n, c) what the waves give of it;
     histograms: edges (b + 1) in standard deviations and the reference's densities (b, c);
     narrowest half-power width [Hz] of a peak; unmatched channels of the reference, missing ones; findings; lack, what the linear model
-    lacks; histories.
+    lacks; histories; errors of the state's waves, wind
+    at the hub and wind of the rotor (standard deviation over the records' less one), felt_wind, whether the records tell the latter.
     """
 
     state: str
@@ -146,6 +153,7 @@ class Validation:
     estimate: Estimate | None = None
     model_rao: np.ndarray | None = None
     model_rao_raw: np.ndarray | None = None
+    model_phase: np.ndarray | None = None
     quadratic_rao: np.ndarray | None = None
     memory_rao: np.ndarray | None = None
     model_spectrum: np.ndarray | None = None
@@ -154,11 +162,12 @@ class Validation:
     histogram_edges: np.ndarray | None = None
     histograms: np.ndarray | None = None
     narrowest: float = NAN
-    lack: Missing | None = None
-    lack_modes: tuple[tuple[float, float], ...] = ()
+    lack: Lack | None = None
     histories: Histories | None = None
     wave_error: float = NAN
     wind_error: float = NAN
+    felt_error: float = NAN
+    felt_wind: bool = False
 
     @property
     def passed(self) -> bool:
@@ -207,7 +216,7 @@ def _findings(model: Model, state: StateEntry, records: Records, side: ModelSide
     out = [*records.findings, *length_findings(records, found, 2 * np.pi / min(driven, default=2 * np.pi / 10))]
     if np.any(side.waves):
         out += sea_findings(records, side.waves.sum(axis=0), side.hz)
-        of_waves, of_wind = (s.sum(axis=0) for s in response_spectrum(side, side.waves, np.ones_like(side.hz)))
+        of_waves, of_wind = (s.sum(axis=0) for s in response_spectrum(side, side.waves, side.wind, side.gradients))
         exact = [n for n, a, b in zip(records.names, of_waves, of_wind, strict=True) if a > 0.2 * b]
         out += agreement_findings(
             records, side.to_wave[side.main], side.hz, found.segment, model.deck.depth, model.deck.gravity, exact
@@ -231,12 +240,12 @@ def _compare_rao(model, state, reference, records: Records, side: ModelSide, fou
     predicted = [_driven(w, records, side) for w in records.waves]
     linear = estimate(records.cut(records.waves), predicted, records.step, found.segment)
     exact = memory = None
-    if nonlinear and not np.any(getattr(side.point.system, "current", None) if side.point.system.current is not None else 0):
+    if nonlinear and side.point.system.current is None:
         series, convolved = quadratic_drag(model, side, records, progress)
         cut = [w[: len(s)] for w, s in zip(records.cut(records.waves), series, strict=True)]
         exact = estimate(cut, series, records.step, found.segment)
         memory = None if convolved is None else estimate(cut, convolved, records.step, found.segment)
-    nominal, _ = response_spectrum(side, side.waves, np.ones_like(side.hz))
+    nominal, _ = response_spectrum(side, side.waves, side.wind, side.gradients)
     clean, target = np.nan_to_num(smooth), np.nan_to_num(found.energy_rao)
 
     def whole(magnitude):
@@ -245,10 +254,10 @@ def _compare_rao(model, state, reference, records: Records, side: ModelSide, fou
     empty = np.full(len(records.names), NAN)
     figures = {
         "std_model": std_model, "std_error": std_model / found.std - 1, "std_error_state": _std(nominal, side) / found.std - 1,
-        "std_error_same_waves": linear.std / found.std - 1, "std_error_nonlinear": empty if exact is None else exact.std / found.std - 1,
+        "std_error_hub": empty, "std_error_same_waves": linear.std / found.std - 1, "std_error_nonlinear": empty if exact is None else exact.std / found.std - 1,
         "std_error_memory": empty if memory is None else memory.std / found.std - 1, "rao_error": whole(smooth),
         "rao_error_same_waves": whole(linear.energy_rao), "rao_error_nonlinear": empty if exact is None else whole(exact.energy_rao),
-        "rao_error_memory": empty if memory is None else whole(memory.energy_rao), "estimator_error": found.expected_error(WHOLE_BAND),
+        "rao_error_memory": empty if memory is None else whole(memory.energy_rao), "estimator_error": rao_error(clean, np.nan_to_num(linear.energy_rao), found.input_spectrum, f),
         "log_error": log_error(clean, target, found.coherence, f),
         "bands": np.array([rao_error(clean, target, found.input_spectrum, f, b) for b in BANDS]),
     }  # fmt: skip
@@ -257,12 +266,12 @@ def _compare_rao(model, state, reference, records: Records, side: ModelSide, fou
     fine = np.abs(side.to_wave[side.main]) ** 2 * np.interp(side.hz, f, waves)[:, None]
     histories, phases, real = _histories(records, fine, side, predicted)
     channels = _channels(model, side, reference, records, found, figures, (target, clean, raw), fine, phases, real, scatter_counts=False)
-    lack, modes = lacking(side, records, found, waves=side.waves, ratio=None)
+    lack = lacking(side, records, found, waves=side.waves, wind=None)
     return Validation(
-        **_common(state, "waves", reference, records, channels), estimate=found, model_rao=smooth, model_rao_raw=raw,
+        **_common(state, "waves", reference, records, channels), estimate=found, model_rao=smooth, model_rao_raw=raw, model_phase=phase_at(side, found),
         quadratic_rao=None if exact is None else exact.energy_rao, memory_rao=None if memory is None else memory.energy_rao,
         model_spectrum=own, model_spectrum_raw=raw_spectrum, wave_part=own, **_distribution(records), narrowest=_narrowest(side, records),
-        findings=_findings(model, state, records, side, found), lack=lack, lack_modes=modes, histories=histories,
+        findings=_findings(model, state, records, side, found), lack=lack, histories=histories,
         wave_error=_input_error(records.cut(records.waves), side.waves.sum(axis=0), side),
     )  # fmt: skip
 
@@ -270,34 +279,41 @@ def _compare_rao(model, state, reference, records: Records, side: ModelSide, fou
 def _compare_spectra(model, state, reference, records: Records, side: ModelSide, found: Estimate, nonlinear, progress) -> Validation:
     """Return the comparison for wind and waves: spectra, standard deviations, means; nothing can be driven by the very wind."""
     f = found.frequency
-    waves, ratio = own_inputs(side, records, found)
-    of_waves, of_wind = response_spectrum(side, waves, ratio)
-    nominal = sum(response_spectrum(side, side.waves, np.ones_like(ratio)))
+    felt = rotor_wind(side, records, model.deck.elastodyn.structure)
+    waves, wind, ratio = own_waves(side, found), own_wind(side, records, felt, found.segment), hub_ratio(side, records, found.segment)
+    of_waves, of_wind = response_spectrum(side, waves, wind, side.gradients)
+    spectrum, nominal = of_waves + of_wind, sum(response_spectrum(side, side.waves, side.wind, side.gradients))
     seen = seen_by_record(side.hz, records.shortest)[:, None]
-    smooth, raw = smoothed_spectrum(side, of_waves + of_wind, found, records.step)
+    smooth, raw = smoothed_spectrum(side, spectrum, found, records.step)
     wave_part, _ = smoothed_spectrum(side, of_waves, found, records.step)
     amplitude, target = np.sqrt(np.nan_to_num(smooth)), np.sqrt(found.output_spectrum)
-    std_model = _std((of_waves + of_wind) * seen, side)
     empty = np.full(len(records.names), NAN)
+    at_hub = empty if ratio is None else _std(sum(response_spectrum(side, waves, side.wind * ratio, side.gradients * ratio)) * seen, side)
+    predicted = None if felt is None or len(side.waves) > 1 else [
+        _driven(w, records, side) + _cut_driven(u, records, side) for w, u in zip(records.waves, felt, strict=True)
+    ]  # fmt: skip
+    linear = None if predicted is None else np.sqrt(np.mean([p.var(axis=0) for p in predicted], axis=0))
+    std_model = _std(spectrum * seen, side)
     figures = {
         "std_model": std_model, "std_error": std_model / found.std - 1, "std_error_state": _std(nominal * seen, side) / found.std - 1,
-        **{k: empty for k in ("std_error_same_waves", "std_error_nonlinear", "std_error_memory")},
-        **{k: empty for k in ("rao_error_same_waves", "rao_error_nonlinear", "rao_error_memory")},
+        "std_error_hub": at_hub / found.std - 1, "std_error_same_waves": empty if linear is None else linear / found.std - 1,
+        **dict.fromkeys(("std_error_nonlinear", "std_error_memory", "rao_error_same_waves", "rao_error_nonlinear", "rao_error_memory"), empty),
         "rao_error": amplitude_error(amplitude, target, f), "estimator_error": np.full(len(empty), 0.5 / np.sqrt(found.averages)),
         "log_error": log_error(amplitude, target, np.ones_like(target), f),
         "bands": np.array([amplitude_error(amplitude, target, f, b) for b in BANDS]),
     }  # fmt: skip
-    histories, phases, _ = _histories(records, of_waves + of_wind, side, None)
+    histories, phases, real = _histories(records, spectrum, side, predicted)
     channels = _channels(model, side, reference, records, found, figures, (target, amplitude, np.sqrt(np.nan_to_num(raw))),
-                         of_waves + of_wind, phases, empty, scatter_counts=True)  # fmt: skip
-    lack, modes = lacking(side, records, found, waves=waves, ratio=ratio)
+                         spectrum, phases, real, scatter_counts=True)  # fmt: skip
+    lack = lacking(side, records, found, waves=waves, wind=wind)
     rao, rao_raw = smoothed_rao(side, found, records.step)
     return Validation(
-        **_common(state, "spectra", reference, records, channels), estimate=found, model_rao=rao, model_rao_raw=rao_raw, model_spectrum=smooth,
+        **_common(state, "spectra", reference, records, channels), estimate=found, model_rao=rao, model_rao_raw=rao_raw, model_phase=phase_at(side, found), model_spectrum=smooth,
         model_spectrum_raw=raw, wave_part=wave_part, **_distribution(records), narrowest=_narrowest(side, records),
-        findings=_findings(model, state, records, side, found), lack=lack, lack_modes=modes, histories=histories,
+        findings=_findings(model, state, records, side, found), lack=lack, histories=histories, felt_wind=felt is not None,
         wave_error=_input_error(records.cut(records.waves), side.waves.sum(axis=0), side),
         wind_error=NAN if records.wind is None else _input_error(records.cut(records.wind), side.hub * seen[:, 0], side),
+        felt_error=NAN if felt is None else _input_error(records.cut(felt), np.where(side.hz < THRUST_TOP, side.wind, 0.0) * seen[:, 0], side),
     )  # fmt: skip
 
 
@@ -309,7 +325,7 @@ def _means_only(model: Model, state: StateEntry, reference: Reference, records: 
     at = [outputs.names.index(n) for n in records.names]
     error = relative_mean_error(outputs.mean[at], means.mean(axis=0), std)
     nothing = dict.fromkeys((
-        "std_model", "std_error", "std_error_state", "std_error_same_waves", "std_error_nonlinear", "std_error_memory", "scatter", "interval",
+        "std_model", "std_error", "std_error_state", "std_error_hub", "std_error_same_waves", "std_error_nonlinear", "std_error_memory", "scatter", "interval",
         "rao_error", "rao_error_same_waves", "rao_error_nonlinear", "rao_error_memory", "estimator_error", "log_error", "coherence_mean",
         "peak_frequency", "peak_frequency_error", "peak_error", "peak_leakage", "extreme_model", "extreme_reference", "excess_kurtosis",
         "correlation", "correlation_same_waves",
@@ -346,6 +362,12 @@ def _input_error(series: Sequence[np.ndarray], spectrum: np.ndarray, side: Model
 def _driven(wave: np.ndarray, records: Records, side: ModelSide) -> np.ndarray:
     """Return the linear model's channels (t, c) for a record's own waves after the transient; the record is periodic without its last sample."""
     out = driven_by(wave[:-1], records.step, side.to_wave[side.main], side.hz)
+    return np.concatenate([out, out[:1]])[records.start :]
+
+
+def _cut_driven(wind: np.ndarray, records: Records, side: ModelSide) -> np.ndarray:
+    """Return the linear model's channels (t, c) for the rotor's wind of a record after the transient."""
+    out = driven_by(wind[:-1], records.step, side.to_wind, side.hz)
     return np.concatenate([out, out[:1]])[records.start :]
 
 
@@ -407,7 +429,7 @@ def _channels(model, side, reference, records, found: Estimate, figures, magnitu
             band_errors=tuple(float(b) for b in figures["bands"][:, k]), coherence_mean=float(coherence[k]), peak_frequency=float(f_ref),
             peak_frequency_error=float(f_model / f_ref - 1), peak_error=float(h_model / h_ref - 1), peak_leakage=float(1 - h_model / h_raw),
             extreme_model=float(expected[k]), extreme_reference=float(largest[k]), excess_kurtosis=float(tails[k]), correlation=float(phases[k]),
-            correlation_same_waves=float(real[k]), tolerance=tolerance, std_verdict=_verdict(figures["std_error"][k], tolerance.std, allowed[0]),
+            correlation_same_waves=float(real[k]), tolerance=tolerance, std_verdict=_std_verdict(figures, k, tolerance.std, allowed[0]),
             mean_verdict=_verdict(mean_error[k], tolerance.mean, allowed[1]), rao_verdict=_verdict(figures["rao_error"][k], tolerance.rao, 0.0),
         ))  # fmt: skip
     return tuple(out)
@@ -418,6 +440,16 @@ def _verdict(error: float, tolerance: float | None, scatter: float) -> str:
     if tolerance is None:
         return NOT_JUDGED
     return WITHIN if abs(error) <= tolerance else SCATTER if abs(error) <= scatter else OUTSIDE
+
+
+def _std_verdict(figures, k: int, tolerance: float | None, scatter: float) -> str:
+    """Return the verdict on a standard deviation; with wind both that in the wind that the rotor felt, where chance has no part, and that
+    in the state's wind count.
+    """
+    own = _verdict(figures["std_error"][k], tolerance, scatter if np.isnan(figures["std_error_same_waves"][k]) else 0.0)
+    if not scatter or own in (OUTSIDE, NOT_JUDGED):
+        return own
+    return _verdict(figures["std_error_state"][k], tolerance, scatter)
 
 
 def _resonance(side: ModelSide, reference: np.ndarray, f: np.ndarray) -> tuple[float, float]:

@@ -59,6 +59,19 @@ class DecayComparison:
         return abs(self.period_error) <= self.tolerance
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Lack:
+    """What the linear model lacks: the terms, and of each motion (p) the model's natural frequency [Hz], damping ratio with drag, critical
+    damping and stiffness (SI).
+    """
+
+    terms: Missing
+    frequency: np.ndarray
+    damping_ratio: np.ndarray
+    critical: np.ndarray
+    restoring: np.ndarray
+
+
 def compare_decay(model: Model, reference: DecayReference, *, progress: Callable[[str], None] = lambda text: None) -> DecayComparison:
     """Return a decay test beside the model; raise ModelError when channel or mode is not there, or nothing decays."""
     progress(f"decay of {reference.channel}")
@@ -91,35 +104,34 @@ def compare_decay(model: Model, reference: DecayReference, *, progress: Callable
 
 
 def lacking(
-    side: ModelSide, records: Records, found: Estimate, *, waves: np.ndarray, ratio: np.ndarray | None
-) -> tuple[Missing | None, tuple[tuple[float, float], ...]]:
-    """Return damping and stiffness that the linear model lacks, for motions whose resonance the reference shows; and the natural
-    frequency [Hz] and damping ratio with drag that the model has for each.
+    side: ModelSide, records: Records, found: Estimate, *, waves: np.ndarray, wind: np.ndarray | None
+) -> Lack | None:
+    """Return damping and stiffness that the linear model lacks, for motions whose resonance the reference shows, None without any.
 
-    waves (m, n) are spectra per Hz on the side's frequencies; ratio (n) that of the reference's wind to the state's, None without wind.
+    waves (m, n) and wind (n, None without) are spectra per Hz on the side's frequencies.
     """
     response, point = side.response, side.point
     hertz = dict(zip(side.modes.names, side.modes.frequency / (2 * np.pi), strict=True))
     ratios = dict(zip(side.modes.names, side.modes.damping_ratio, strict=True))
     chosen = [d for d in FITTED if hertz.get(d, 0) > BAND[0] and hertz[d] < 0.2 and MOTION_CHANNELS[d][0] in records.names]
-    if ratio is not None:
+    if wind is not None:
         chosen = [d for d in chosen if d in ("surge", "heave", "pitch")]
     if not chosen:
-        return None, ()
+        return None
     inside = (side.hz >= 0.5 * BAND[0]) & (side.hz <= 1.1 * BAND[1])
     hz, omega = side.hz[inside], response.excitation.omega
     z = response.dynamic_stiffness
     dynamic = on_grid(z.reshape(len(z), -1)[None], omega, hz)[0].reshape(-1, *z.shape[1:])
     inputs = [response.to_wave[k] for k in range(len(response.to_wave))]
     spectra = [w[inside] for w in waves]
-    if ratio is not None:
+    if wind is not None:
         inputs += [response.to_wind, *response.to_gradients]
-        spectra += [side.wind[inside] * ratio[inside], *[side.gradients[inside] * ratio[inside]] * 2]
+        spectra += [wind[inside], *[side.gradients[inside]] * 2]
     transfer = np.stack([on_grid(x[None], omega, hz)[0] for x in inputs], axis=-1)
     at = np.flatnonzero((found.frequency >= BAND[0]) & (found.frequency <= BAND[1]))
     weights = window_matrix(hz, found.frequency[at], found.segment, records.step)
     reference = found.output_spectrum[np.ix_(at, [records.names.index(MOTION_CHANNELS[d][0]) for d in chosen])]
-    if ratio is None:  # like is compared with like: the model's RAO through the window, times the waves that were there
+    if wind is None:  # like is compared with like: the model's RAO through the window, times the waves that were there
         total = weights @ waves.sum(axis=0)[inside]
         energy = found.input_spectrum[at]
         usable = (energy > 1e-2 * energy.max()) & (total > 1e-6 * total.max())
@@ -127,5 +139,8 @@ def lacking(
     places = [point.system.dofs.index(d) for d in chosen]
     restoring = np.diag(point.mean.stiffness)[places]
     critical = 2 * restoring / (2 * np.pi * np.array([hertz[d] for d in chosen]))
-    lack = missing_terms(chosen, places, 2 * np.pi * hz, dynamic, transfer, np.stack(spectra, axis=1), weights, reference, critical, restoring)
-    return lack, tuple((float(hertz[d]), float(ratios[d])) for d in chosen)
+    terms = missing_terms(chosen, places, 2 * np.pi * hz, dynamic, transfer, np.stack(spectra, axis=1), weights, reference, critical, restoring)
+    return Lack(
+        terms=terms, frequency=np.array([hertz[d] for d in chosen]), damping_ratio=np.array([ratios[d] for d in chosen]), critical=critical,
+        restoring=restoring,
+    )  # fmt: skip

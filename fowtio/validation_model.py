@@ -23,6 +23,7 @@ from model.response.solve import Excitation, Response, frequency_grid, prepare, 
 from model.system.convolution import convolved_radiation
 
 POINTS = 1500
+THRUST_TOP = 0.2  # Hz
 WORKERS = 2
 
 
@@ -108,6 +109,12 @@ def smoothed_rao(side: ModelSide, found: Estimate, sample: float) -> tuple[np.nd
     return at_estimate(smooth, side, found), at_estimate(magnitude, side, found)
 
 
+def phase_at(side: ModelSide, found: Estimate) -> np.ndarray:
+    """Return the phase [rad] of the model's response to its main heading on the estimate's frequencies (n, c)."""
+    turns = side.to_wave[side.main]
+    return np.angle(at_estimate(np.concatenate([turns[:1], turns]), side, found))
+
+
 def smoothed_spectrum(side: ModelSide, spectrum: np.ndarray, found: Estimate, sample: float) -> tuple[np.ndarray, np.ndarray]:
     """Return spectra (n, c) on the side's frequencies as the estimate's window shows them, on its frequencies, and raw."""
     full = np.concatenate([spectrum[:1], spectrum])
@@ -117,35 +124,70 @@ def smoothed_spectrum(side: ModelSide, spectrum: np.ndarray, found: Estimate, sa
 def at_estimate(values: np.ndarray, side: ModelSide, found: Estimate) -> np.ndarray:
     """Return values (n + 1, c), from zero frequency, on an estimate's frequencies (k, c); NaN above the model's."""
     places = side.place(found.frequency)
-    out = np.full((len(places), values.shape[1]), np.nan)
+    out = np.full((len(places), values.shape[1]), np.nan, dtype=values.dtype)
     inside = places < len(values)
     out[inside] = values[places[inside]]
     return out
 
 
-def response_spectrum(side: ModelSide, waves: np.ndarray, wind_ratio: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return response spectra (n, c) per Hz from wave spectra (m, n), and from the wind times a ratio (n)."""
+def response_spectrum(side: ModelSide, waves: np.ndarray, wind: np.ndarray, gradients: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return response spectra (n, c) per Hz from wave spectra (m, n), and from spectra of the rotor's wind and its gradients (n)."""
     of_waves = np.einsum("mnc,mn->nc", np.abs(side.to_wave) ** 2, waves)
-    of_wind = np.abs(side.to_wind) ** 2 * (side.wind * wind_ratio)[:, None]
-    of_wind = of_wind + (np.abs(side.to_gradients) ** 2).sum(axis=0) * (side.gradients * wind_ratio)[:, None]
-    return of_waves, of_wind
+    of_gradients = (np.abs(side.to_gradients) ** 2).sum(axis=0) * gradients[:, None]
+    return of_waves, np.abs(side.to_wind) ** 2 * wind[:, None] + of_gradients
 
 
-def own_inputs(side: ModelSide, records: Records, found: Estimate) -> tuple[np.ndarray, np.ndarray]:
-    """Return the wave spectra (m, n) of the records, shared between headings as in the state, and their wind over the state's (n)."""
+def own_waves(side: ModelSide, found: Estimate) -> np.ndarray:
+    """Return the wave spectra (m, n) of the records, shared between headings as in the state."""
     total = side.waves.sum(axis=0)
     measured = np.interp(side.hz, found.frequency, found.input_spectrum)
     with np.errstate(divide="ignore", invalid="ignore"):
-        waves = np.where(total > 0, side.waves / total * measured, 0.0)
+        return np.where(total > 0, side.waves / total * measured, 0.0)
+
+
+def hub_ratio(side: ModelSide, records: Records, segment: float) -> np.ndarray | None:
+    """Return the spectrum of the records' wind at the hub over that of the state (n), None without either."""
     if records.wind is None or not np.any(side.hub):
-        return waves, np.ones_like(side.hz)
-    gusts = records.cut(records.wind)
-    seen = estimate(gusts, [g[:, None] for g in gusts], records.step, found.segment)
+        return None
+    seen = _spectrum(records.cut(records.wind), records.step, segment)
     smooth, _ = smoothed_spectrum(side, side.hub[:, None], seen, records.step)
-    ratio = np.ones_like(side.hz)
-    usable = (seen.frequency >= 2 / found.segment) & np.isfinite(smooth[:, 0]) & (seen.frequency < 0.2 / records.step)
-    ratio = np.interp(side.hz, seen.frequency[usable], seen.input_spectrum[usable] / smooth[usable, 0])
-    return waves, ratio
+    usable = (seen.frequency >= 2 / segment) & np.isfinite(smooth[:, 0]) & (seen.frequency < 0.2 / records.step)
+    return np.interp(side.hz, seen.frequency[usable], seen.input_spectrum[usable] / smooth[usable, 0])
+
+
+def rotor_wind(side: ModelSide, records: Records, structure) -> list[np.ndarray] | None:
+    """Return the wind (t) [m/s] that the rotor of each record felt, as its thrust and its hub's motion tell; None without them.
+
+    The thrust is F = F0 + k (u - v) with the model's own thrust per wind speed k and the hub's velocity v: u = (F - F0) / k + v. Up to
+    0.2 Hz, below the blades' passing.
+    """
+    per_speed = float(side.point.system.wind_force[0])
+    if records.thrust is None or "PtfmSurge" not in records.names or per_speed <= 0:
+        return None
+    arms = {"PtfmSurge": 1.0, "PtfmPitch": structure.hub_height, "TTDspFA": 1.0}
+    out = []
+    for thrust, channels in zip(records.thrust, records.channels, strict=True):
+        hub = sum(channels[:, records.names.index(n)] * a for n, a in arms.items() if n in records.names)
+        count = len(thrust) - 1
+        hertz = np.fft.rfftfreq(count, records.step)
+        force = np.fft.rfft(thrust[:count] * np.cos(structure.rotor.tilt))
+        felt = force / per_speed + 2j * np.pi * hertz * np.fft.rfft(hub[:count])
+        felt[(hertz == 0) | (hertz > THRUST_TOP)] = 0.0
+        wind = np.fft.irfft(felt, count)
+        out.append(np.concatenate([wind, wind[:1]]))
+    return out
+
+
+def own_wind(side: ModelSide, records: Records, felt: list[np.ndarray] | None, segment: float) -> np.ndarray:
+    """Return the spectrum (n) per Hz of the rotor's wind in the records: that felt, the state's above 0.2 Hz and where none was felt."""
+    if felt is None:
+        return side.wind
+    seen = _spectrum(records.cut(felt), records.step, segment)
+    return np.where(side.hz < THRUST_TOP, np.interp(side.hz, seen.frequency[1:], seen.input_spectrum[1:]), side.wind)
+
+
+def _spectrum(series: list[np.ndarray], step: float, segment: float) -> Estimate:
+    return estimate(series, [s[:, None] for s in series], step, segment)
 
 
 def window_matrix(hz: np.ndarray, frequency: np.ndarray, segment: float, sample: float) -> np.ndarray:

@@ -15,7 +15,16 @@ import numpy as np
 
 from fowtio.case import StateEntry
 from fowtio.errors import ModelError
-from fowtio.fmu.describe import GROUPS, SEA_TOP, Description, SeaTable, TurbulenceTable, describe, sea_table, turbulence_table
+from fowtio.fmu.describe import (
+    GROUPS,
+    SEA_TOP,
+    Description,
+    SeaTable,
+    TurbulenceTable,
+    describe,
+    sea_table,
+    turbulence_table,
+)
 from fowtio.fmu.sources import write_sources
 from fowtio.workflow import Model, OperatingPoint, state_excitation
 from fowtio.write.atomic import atomic_file

@@ -10,7 +10,7 @@ import numpy as np
 
 import fowtio
 from fowtio.errors import ModelError
-from fowtio.fmu.describe import LARGEST_PART, REPEAT_PERIOD, SEA_TOP, UNITS, WIND_TOP, Description, Variable
+from fowtio.fmu.describe import LARGEST_PART, REPEAT_PERIOD, SEA_TOP, UNITS, Description, Variable
 from fowtio.write.resources import template_folder
 
 LICENCE = "Apache-2.0 (code); the numbers belong to the study"

@@ -313,9 +313,9 @@ def _describe(record: Metocean) -> list[tuple[str, str]]:
 
 _WRONG = {
     "missing": "blank or marked as missing",
-    "sentinel": "numbers that stand for missing ones (such as -999)",
+    "sentinel": "a number that stands for a missing one (such as -999)",
     "out_of_range": "beyond belief",
-    "unreadable": "no numbers",
+    "unreadable": "no number",
 }
 
 
@@ -323,36 +323,35 @@ def metocean_problems(record: Metocean) -> list[str]:
     """Return everything that is wrong with a record, with counts."""
     r, out = record.report, []
     for quantity, *_ in r.columns:
-        count = {what: getattr(r, what)[quantity] for what in _WRONG}
-        known = QUANTITIES[quantity]
-        limits = (
-            f" (below {known.low:g} or above {known.high:g} {next(iter(known.units))})"
-            if quantity not in HEADINGS
-            else ""
-        )
-        out += [
-            f"{quantity.replace('_', ' ')}: {n} values {_WRONG[what]}{limits if what == 'out_of_range' else ''}, taken as missing"
-            for what, n in count.items() if n
-        ]  # fmt: skip
+        name, known = quantity.replace("_", " "), QUANTITIES[quantity]
+        for what, text in _WRONG.items():
+            number = getattr(r, what)[quantity]
+            limits = (
+                f", outside {known.low:g} to {known.high:g} {next(iter(known.units))}" if what == "out_of_range" else ""
+            )
+            if number:
+                out.append(f"{name}, {_count(number, 'value')}: {text}{limits}; taken as missing")
         empty = np.flatnonzero(np.isnan(record.values[quantity]))
         if len(empty):
-            out.append(
-                f"{quantity.replace('_', ' ')}: missing at {len(empty)} times, first {_day(record.time[empty[0]])}"
-            )
+            out.append(f"{name}: missing at {_count(len(empty), 'time')}, first {_day(record.time[empty[0]])}")
     rows = {
-        "have no time that can be read, left out": r.bad_times,
-        "repeat another row, left out": r.duplicates,
-        "contradict another row of the same time, whose value is taken as missing": r.conflicting,
-        "stand before an earlier one, put in order": r.unsorted,
+        "without a time that can be read; left out": r.bad_times,
+        "repeating another; left out": r.duplicates,
+        "contradicting another of the same time; the value is taken as missing": r.conflicting,
+        "standing before an earlier one; put in order": r.unsorted,
     }
-    out += [f"{n} {'row' if n == 1 else 'rows'}: {text}" for text, n in rows.items() if n]
+    out += [f"{_count(n, 'row')} {text}" for text, n in rows.items() if n]
     if r.gaps:
         steps = np.diff(record.time)
         longest = ", ".join(
             f"{_day(record.time[k])} to {_day(record.time[k + 1])}" for k in np.argsort(-steps)[: min(3, r.gaps)]
         )
-        out.append(f"{r.gaps} gaps, {r.missing_steps} steps missing; the longest: {longest}")
+        out.append(f"{_count(r.gaps, 'gap')}, {_count(r.missing_steps, 'step')} missing; the longest: {longest}")
     return out
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
 def _day(time: np.datetime64) -> str:

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
+from fowtio.read.deck_hydro import deck_hydro as deck_hydro  # part of this module's interface
 from fowtio.read.elastodyn import ElastoDyn, read_elastodyn
-from fowtio.read.hydro_any import hydro_options, read_hydro
 from fowtio.read.hydrodyn import HydroDyn, ballast, read_hydrodyn
 from fowtio.read.inflowwind import InflowWind, read_inflowwind
 from fowtio.read.map import map_mooring, read_map
@@ -18,12 +18,9 @@ from fowtio.read.moordyn import moordyn_mooring, read_moordyn
 from fowtio.read.openfast_input import InputFile, names_in, read_input
 from fowtio.read.registry import Format
 from fowtio.read.seastate import DeckSea, deck_sea
-from fowtio.read.wamit import read_wamit
-from model.system.hydro import HydroCoefficients
 from model.system.mooring import MooringSystem
 from model.system.turbine import RigidBody
 
-SAME_WATER = 0.01  # of density, gravity and depth: coefficients are proportional to the first two
 STANDARD_GRAVITY = 9.80665  # m/s2; for an ElastoDyn file read without its primary file
 _MODULES = {
     "NRotors": ({}, {1}),
@@ -202,49 +199,6 @@ def _with_ballast(elastodyn: ElastoDyn, body: RigidBody | None) -> ElastoDyn:
         inertia += part.inertia + part.mass * ((arm @ arm) * np.eye(3) - np.outer(arm, arm))
     joint = RigidBody(mass=mass, centre=centre, inertia=inertia)
     return replace(elastodyn, structure=replace(elastodyn.structure, platform=joint))
-
-
-def deck_hydro(deck: Deck, path: Path | None = None) -> HydroCoefficients:
-    """Return the hydrodynamic coefficients that the deck's HydroDyn names, or those of any other file, folder or stem.
-
-    WAMIT files take density, gravity and depth from the deck, and the length scale WAMITULEN when they are the deck's own
-    (1 m otherwise). Any other format carries its water, which must be the deck's within 1 %, and must have a hydrostatic
-    stiffness. Displaced volume and centre of buoyancy come from the file when it has them, else from HydroDyn (PtfmVol0).
-    Raises FormatError.
-    """
-    if deck.hydrodyn is None or not deck.hydrodyn.potential_flow:
-        raise FormatError(
-            deck.path, expected="a deck with HydroDyn and PotMod 1", found="none", hint="Name HydroFile in the study"
-        )
-    water = {"density": deck.density, "gravity": deck.gravity, "depth": deck.depth}
-    if path is None:
-        hydro = read_wamit(deck.hydrodyn.coefficients, length=deck.hydrodyn.length_scale, **water)
-    else:
-        hydro = _other_hydro(deck, Path(path), water)
-    if hydro.volume is not None and hydro.centre_of_buoyancy is not None:
-        return hydro
-    cob = np.append(deck.hydrodyn.centre_of_buoyancy, 0.0)
-    return replace(hydro, volume=deck.hydrodyn.volume, centre_of_buoyancy=cob)
-
-
-def _other_hydro(deck: Deck, path: Path, water: dict[str, float]) -> HydroCoefficients:
-    """Return the coefficients of a file of any format, which must fit the deck."""
-    known = hydro_options(path)
-    hydro = read_hydro(path, **{name: value for name, value in water.items() if name in known})
-    for name, unit in (("density", "kg/m3"), ("gravity", "m/s2"), ("depth", "m")):
-        own, wanted = getattr(hydro, name), water[name]
-        if own != wanted and not abs(own - wanted) <= SAME_WATER * wanted:
-            raise FormatError(
-                path, expected=f"coefficients for the deck's {name}, {wanted:g} {unit}", found=f"{own:g} {unit}",
-                hint=f"The deck is {deck.path}; repeat the run of the coefficients with its water, or name the other deck",
-            )  # fmt: skip
-    if hydro.hydrostatic_stiffness is None:
-        raise FormatError(
-            path, expected="a hydrostatic stiffness", found="none",
-            hint="A WAMIT set needs its .hst; a Capytaine file needs hydrostatics with the centre of mass; fowtio convert "
-            "with --mass and --centre gives a file that has it",
-        )  # fmt: skip
-    return hydro
 
 
 def _water(primary: InputFile, sea: DeckSea | None) -> tuple[float, float]:

@@ -220,7 +220,9 @@ def series_problems(series: TimeSeries) -> list[str]:
         out.append(f"the time step varies from {steps.min():g} to {steps.max():g} s")
     bare = [n for n, u in zip(series.names, series.units, strict=True) if not u]
     if bare:
-        out.append(f"{len(bare)} channels without a unit: {', '.join(bare[:6])}{', ...' if len(bare) > 6 else ''}")
+        out.append(
+            f"{len(bare)} {'channel' if len(bare) == 1 else 'channels'} without a unit: {', '.join(bare[:6])}{', ...' if len(bare) > 6 else ''}"
+        )
     return out
 
 

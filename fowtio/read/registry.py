@@ -92,6 +92,7 @@ _MAGIC = {"capytaine": (b"CDF", b"\x89HDF")}  # imported only for files that beg
 INTERNAL = (
     "registry",
     "text",
+    "deck_hydro",
     "elastodyn",
     "hydrodyn",
     "seastate",

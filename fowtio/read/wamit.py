@@ -318,7 +318,13 @@ def _describe_excitation(data: WamitExcitation) -> list[tuple[str, str]]:
 
 
 def _describe_hydrostatics(data: np.ndarray) -> list[tuple[str, str]]:
-    return [("heave, roll, pitch", ", ".join(f"{data[k, k]:.5g}" for k in (2, 3, 4)) + " (non-dimensional)")]
+    return [
+        ("heave, roll, pitch", ", ".join(f"{data[k, k]:.5g}" for k in (2, 3, 4))),
+        (
+            "convention",
+            "non-dimensional (density, gravity, ULEN); with the weight's share unless the run's was at the origin",
+        ),
+    ]
 
 
 def numeric_head(head: bytes, widths: tuple[int, ...], integers: tuple[int, ...]) -> bool:

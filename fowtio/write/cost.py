@@ -15,7 +15,9 @@ from fowtio.write.table import Column, Table
 MILLION = 1e-6
 
 
-def write_cost(study, folder: str | Path, *, figures: bool = True, progress: Callable[[str], None] = lambda text: None) -> list[Path]:
+def write_cost(
+    study, folder: str | Path, *, figures: bool = True, progress: Callable[[str], None] = lambda text: None
+) -> list[Path]:
     """Write report, workbook and figures of a CostStudy into a folder and return the files."""
     overview, items, plates = cost_table(study), items_table(study), plating_table(study)
 
@@ -26,10 +28,18 @@ def write_cost(study, folder: str | Path, *, figures: bool = True, progress: Cal
         ]
 
     return write_document(
-        folder, name="cost", kind="Cost of floating foundations", title=study.title, origin=f"Cost file {study.path.name}", cards=cards(study),
-        drawings=lambda: [bars(study)], sections=sections, sheets=[("Designs", [overview]), ("Accounts", [items]), ("Plating", [plates])],
-        figures=figures, progress=progress,
-    )  # fmt: skip
+        folder,
+        name="cost",
+        kind="Cost of floating foundations",
+        title=study.title,
+        origin=f"Cost file {study.path.name}",
+        cards=cards(study),
+        drawings=lambda: [bars(study)],
+        sections=sections,
+        sheets=[("Designs", [overview]), ("Accounts", [items]), ("Plating", [plates])],
+        figures=figures,
+        progress=progress,
+    )
 
 
 def cards(study) -> list[Card]:
@@ -46,14 +56,34 @@ def cards(study) -> list[Card]:
 def cost_table(study) -> Table:
     """Return all designs with dimensions, anchors and total."""
     columns = (
-        Column(name="Design"), Column(name="d", unit="m", decimals=1), Column(name="r", unit="m", decimals=1), Column(name="draft", unit="m", decimals=1),
-        Column(name="Steel", unit="t"), Column(name="Ballast", unit="t"), Column(name="Offset", unit="m", decimals=2), Column(name="Anchor load", unit="kN", decimals=0),
-        Column(name="Uplift", unit="kN", decimals=0), Column(name="Anchor", unit="t", decimals=2), Column(name="Cost", unit="M€", decimals=3),
-    )  # fmt: skip
+        Column(name="Design"),
+        Column(name="d", unit="m", decimals=1),
+        Column(name="r", unit="m", decimals=1),
+        Column(name="draft", unit="m", decimals=1),
+        Column(name="Steel", unit="t"),
+        Column(name="Ballast", unit="t"),
+        Column(name="Offset", unit="m", decimals=2),
+        Column(name="Anchor load", unit="kN", decimals=0),
+        Column(name="Uplift", unit="kN", decimals=0),
+        Column(name="Anchor", unit="t", decimals=2),
+        Column(name="Cost", unit="M€", decimals=3),
+    )
     rows = tuple(
-        (d.name, d.hull.column_diameter, d.hull.radius, d.hull.draft, sum(p.mass for p in d.plating) / 1e3, d.ballast / 1e3, d.spread.offset,
-         d.spread.horizontal / 1e3, max(d.spread.uplift, 0.0) / 1e3, d.anchor.mass / 1e3, d.total * MILLION) for d in study.designs
-    )  # fmt: skip
+        (
+            d.name,
+            d.hull.column_diameter,
+            d.hull.radius,
+            d.hull.draft,
+            sum(p.mass for p in d.plating) / 1e3,
+            d.ballast / 1e3,
+            d.spread.offset,
+            d.spread.horizontal / 1e3,
+            max(d.spread.uplift, 0.0) / 1e3,
+            d.anchor.mass / 1e3,
+            d.total * MILLION,
+        )
+        for d in study.designs
+    )
     note = "Offset and anchor load of the upwind line under the steady thrust; anchors with their safety factor."
     return Table(name="designs", title="Designs", columns=columns, rows=rows, note=note)
 
@@ -61,16 +91,31 @@ def cost_table(study) -> Table:
 def items_table(study) -> Table:
     """Return the account of every design."""
     columns = (
-        Column(name="Design"), Column(name="Item"), Column(name="Quantity", decimals=0), Column(name="Unit of quantity"), Column(name="Price", unit="€", decimals=3),
-        Column(name="Cost", unit="€", decimals=0), Column(name="Share", unit="%", decimals=1),
-    )  # fmt: skip
-    rows = tuple((d.name, i.name, float(i.quantity), i.unit, i.price, float(i.cost), float(100 * i.cost / d.total)) for d in study.designs for i in d.items)
+        Column(name="Design"),
+        Column(name="Item"),
+        Column(name="Quantity", decimals=0),
+        Column(name="Unit of quantity"),
+        Column(name="Price", unit="€", decimals=3),
+        Column(name="Cost", unit="€", decimals=0),
+        Column(name="Share", unit="%", decimals=1),
+    )
+    rows = tuple(
+        (d.name, i.name, float(i.quantity), i.unit, i.price, float(i.cost), float(100 * i.cost / d.total))
+        for d in study.designs
+        for i in d.items
+    )
     return Table(name="accounts", title="Accounts", columns=columns, rows=rows)
 
 
 def plating_table(study) -> Table:
     """Return the surfaces of every hull."""
-    columns = (Column(name="Design"), Column(name="Part"), Column(name="Area", unit="m²", decimals=0), Column(name="Thickness", unit="mm"), Column(name="Steel", unit="t"))
+    columns = (
+        Column(name="Design"),
+        Column(name="Part"),
+        Column(name="Area", unit="m²", decimals=0),
+        Column(name="Thickness", unit="mm"),
+        Column(name="Steel", unit="t"),
+    )
     rows = tuple((d.name, p.name, p.area, 1e3 * p.thickness, p.mass / 1e3) for d in study.designs for p in d.plating)
     return Table(name="plating", title="Plating", columns=columns, rows=rows)
 
@@ -93,4 +138,10 @@ def bars(study) -> Drawing:
     ax.set_ylim(0, 1.1 * base.max())
     ax.grid(axis="x", visible=False)
     legend(figure, handles, labels)
-    return Drawing(name="cost", group="cost", title="Cost by item", caption="Cost of every design by item, the cheapest first.", figure=figure)
+    return Drawing(
+        name="cost",
+        group="cost",
+        title="Cost by item",
+        caption="Cost of every design by item, the cheapest first.",
+        figure=figure,
+    )

@@ -49,10 +49,19 @@ def write_document(
         pictures = _draw(drawings, inside / "figures", progress) if figures else {}
         progress("writing the report")
         body = [*(s for s in sections(pictures) if s.content), Section(title="Versions", content=(versions(),))]
-        text = environment().get_template("site.html.j2").render(
-            kind=kind, title=title, origin=origin, cards=cards, version=__version__, date=datetime.date.today().isoformat(),
-            sections=[(slug(s.title), s) for s in body],
-        )  # fmt: skip
+        text = (
+            environment()
+            .get_template("site.html.j2")
+            .render(
+                kind=kind,
+                title=title,
+                origin=origin,
+                cards=cards,
+                version=__version__,
+                date=datetime.date.today().isoformat(),
+                sections=[(slug(s.title), s) for s in body],
+            )
+        )
         (inside / f"{name}.html").write_text(text, encoding="utf-8")
         book = _Book()
         for sheet, tables in sheets:

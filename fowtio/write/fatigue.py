@@ -17,7 +17,9 @@ from fowtio.write.table import ROW, Column, Table
 from model.environment.contours import HOURS_PER_YEAR
 
 
-def write_fatigue(study, folder: str | Path, *, figures: bool = True, progress: Callable[[str], None] = lambda text: None) -> list[Path]:
+def write_fatigue(
+    study, folder: str | Path, *, figures: bool = True, progress: Callable[[str], None] = lambda text: None
+) -> list[Path]:
     """Write report, workbook and figures of a FatigueStudy into a folder and return the files."""
     tower, lines, ultimate, check = tower_table(study), line_table(study), ultimate_table(study), check_table(study)
     states, by_speed = state_table(study), speed_table(study)
@@ -27,22 +29,40 @@ def write_fatigue(study, folder: str | Path, *, figures: bool = True, progress: 
         at = lambda *names: tuple(pictures[n] for n in names if n in pictures)  # noqa: E731
         return [
             Section(title="Basis", content=(basis, bullet_list(study.notes))),
-            Section(title="Fatigue of the tower base", content=(*at("damage_around"), by_speed, *at("damage_by_state")), fold=(tower,)),
+            Section(
+                title="Fatigue of the tower base",
+                content=(*at("damage_around"), by_speed, *at("damage_by_state")),
+                fold=(tower,),
+            ),
             Section(title="Fatigue of the moorings", content=(lines,) if lines else ()),
             Section(title="Check by rainflow counting", content=(check, *at("rainflow")) if check else ()),
             Section(title="Ultimate loads", content=(ultimate, *at("ultimate"))),
             Section(title="States", content=at("states"), fold=(states,)),
         ]
 
-    sheets = [("Basis", [basis]), ("Tower", [tower]), ("By wind speed", [by_speed]), ("Ultimate loads", [ultimate]), ("States", [states])]
+    sheets = [
+        ("Basis", [basis]),
+        ("Tower", [tower]),
+        ("By wind speed", [by_speed]),
+        ("Ultimate loads", [ultimate]),
+        ("States", [states]),
+    ]
     sheets += [("Moorings", [lines])] if lines else []
     sheets += [("Rainflow", [check])] if check else []
     case = study.loads.model.case
     return write_document(
-        folder, name="fatigue", kind="Fatigue and ultimate loads over a lifetime", title=f"{case.title or case.path.stem} · {study.site.title}",
-        origin=f"Study {case.path.name}, site {study.site.path.name}", cards=cards(study), drawings=lambda: drawings(study),
-        sections=sections, sheets=sheets, figures=figures, progress=progress,
-    )  # fmt: skip
+        folder,
+        name="fatigue",
+        kind="Fatigue and ultimate loads over a lifetime",
+        title=f"{case.title or case.path.stem} · {study.site.title}",
+        origin=f"Study {case.path.name}, site {study.site.path.name}",
+        cards=cards(study),
+        drawings=lambda: drawings(study),
+        sections=sections,
+        sheets=sheets,
+        figures=figures,
+        progress=progress,
+    )
 
 
 def cards(study) -> list[Card]:
@@ -50,46 +70,70 @@ def cards(study) -> list[Card]:
     worst, factor = study.worst, study.settings.design_factor
     out = [
         Card(
-            label="Tower base, damage", value=f"{study.tower.total[worst]:.3g}",
+            label="Tower base, damage",
+            value=f"{study.tower.total[worst]:.3g}",
             note=f"in {study.tower.years:g} years, without the design factor of {factor:g}",
         ),
-        Card(label="Fatigue life", value=f"{study.tower.life[worst] / factor:.3g} years", note=f"design factor {factor:g} included"),
         Card(
-            label="Damage-equivalent stress range", value=f"{study.tower.equivalent[worst] / 1e6:.1f} MPa",
+            label="Fatigue life",
+            value=f"{study.tower.life[worst] / factor:.3g} years",
+            note=f"design factor {factor:g} included",
+        ),
+        Card(
+            label="Damage-equivalent stress range",
+            value=f"{study.tower.equivalent[worst] / 1e6:.1f} MPa",
             note=f"{study.tower.cycles:.0e} cycles, m = {study.tower.power:g}",
         ),
-    ]  # fmt: skip
+    ]
     k = study.loads.index("TwrBsMyt")
-    out.append(Card(
-        label="Tower-base moment", value=f"{study.ultimate.long_term[k] / 1e6:.1f} MN m",
-        note=f"once in {study.ultimate.return_period:g} years, all states",
-    ))  # fmt: skip
+    out.append(
+        Card(
+            label="Tower-base moment",
+            value=f"{study.ultimate.long_term[k] / 1e6:.1f} MN m",
+            note=f"once in {study.ultimate.return_period:g} years, all states",
+        )
+    )
     if study.lines is not None:
-        out.append(Card(label="Moorings, largest damage", value=f"{study.lines.total.max():.3g}", note=study.line_curve.name))
+        out.append(
+            Card(label="Moorings, largest damage", value=f"{study.lines.total.max():.3g}", note=study.line_curve.name)
+        )
     return out
 
 
 def basis_table(study) -> Table:
     """Return what the fatigue is reckoned with."""
     rows = [
-        ("S–N curve", study.curve.name), ("Slopes", f"{study.curve.slope:g}" + (f", {study.curve.second_slope:g} below {study.curve.knee / 1e6:.1f} MPa" if study.curve.knee else "")),
-        ("Section", f"{study.section.diameter:.3f} m by {1e3 * study.section.thickness:.1f} mm, modulus {study.section.modulus:.3f} m³"),
-        ("Factor on stress", f"{study.factor:.3f}: concentration and thickness"), ("Cycles", study.settings.method.replace("_", " ")),
+        ("S–N curve", study.curve.name),
+        (
+            "Slopes",
+            f"{study.curve.slope:g}"
+            + (f", {study.curve.second_slope:g} below {study.curve.knee / 1e6:.1f} MPa" if study.curve.knee else ""),
+        ),
+        (
+            "Section",
+            f"{study.section.diameter:.3f} m by {1e3 * study.section.thickness:.1f} mm, modulus {study.section.modulus:.3f} m³",
+        ),
+        ("Factor on stress", f"{study.factor:.3f}: concentration and thickness"),
+        ("Cycles", study.settings.method.replace("_", " ")),
         ("States", f"{len(study.loads.table)}, {100 * study.loads.table.probability.sum():.2f} % of the time"),
         ("Operating points", ", ".join(f"{p.wind_speed:g}" for p in study.loads.model.points) + " m/s"),
-    ]  # fmt: skip
+    ]
     return Table(name="basis", title="Basis", columns=(Column(name="Quantity"), Column(name="Value")), rows=tuple(rows))
 
 
 def tower_table(study) -> Table:
     """Return the damage at every point of the section."""
     columns = (
-        Column(name="Angle", unit="deg", decimals=0), Column(name="Damage", scientific=3), Column(name="Life", unit="years", decimals=1),
+        Column(name="Angle", unit="deg", decimals=0),
+        Column(name="Damage", scientific=3),
+        Column(name="Life", unit="years", decimals=1),
         Column(name="Equivalent stress range", unit="MPa", decimals=2),
-    )  # fmt: skip
+    )
     rows = tuple(
         (float(a), float(d), float(life), float(e / 1e6))
-        for a, d, life, e in zip(np.degrees(study.angles), study.tower.total, study.tower.life, study.tower.equivalent, strict=True)
+        for a, d, life, e in zip(
+            np.degrees(study.angles), study.tower.total, study.tower.life, study.tower.equivalent, strict=True
+        )
     )
     note = f"Angles from downwind, counter-clockwise seen from above. Damage in {study.tower.years:g} years without design factor."
     return Table(name="tower_damage", title="Damage around the tower base", columns=columns, rows=rows, note=note)
@@ -100,13 +144,18 @@ def line_table(study) -> Table | None:
     if study.lines is None:
         return None
     columns = (
-        Column(name="Line"), Column(name="Nominal diameter", unit="mm", decimals=0), Column(name="Damage", scientific=3),
-        Column(name="Life", unit="years", decimals=1), Column(name="Equivalent stress range", unit="MPa", decimals=2),
-    )  # fmt: skip
+        Column(name="Line"),
+        Column(name="Nominal diameter", unit="mm", decimals=0),
+        Column(name="Damage", scientific=3),
+        Column(name="Life", unit="years", decimals=1),
+        Column(name="Equivalent stress range", unit="MPa", decimals=2),
+    )
     names = [n for n in study.loads.channels if n.startswith("T[")]
     rows = tuple(
         (n, float(1e3 * d), float(t), float(life), float(e / 1e6))
-        for n, d, t, life, e in zip(names, study.line_diameter, study.lines.total, study.lines.life, study.lines.equivalent, strict=True)
+        for n, d, t, life, e in zip(
+            names, study.line_diameter, study.lines.total, study.lines.life, study.lines.equivalent, strict=True
+        )
     )
     note = f"{study.line_curve.name}; quasi-static tension at the fairlead on the nominal area, the diameter from the mass per length."
     return Table(name="line_damage", title="Damage of the mooring lines", columns=columns, rows=rows, note=note)
@@ -116,9 +165,12 @@ def speed_table(study) -> Table:
     """Return the share of every operating point in time and damage."""
     speeds = study.loads.point_speed
     columns = (
-        Column(name="Operating point"), Column(name="Hours per year", decimals=1), Column(name="Damage", scientific=3),
-        Column(name="Share of damage", unit="%", decimals=1), Column(name="σ of fore-aft moment", unit="MN m", decimals=2),
-    )  # fmt: skip
+        Column(name="Operating point"),
+        Column(name="Hours per year", decimals=1),
+        Column(name="Damage", scientific=3),
+        Column(name="Share of damage", unit="%", decimals=1),
+        Column(name="σ of fore-aft moment", unit="MN m", decimals=2),
+    )
     k, rows = study.loads.index("TwrBsMyt"), []
     part = study.tower.by_state[:, study.worst]
     p = study.loads.table.probability
@@ -126,7 +178,15 @@ def speed_table(study) -> Table:
         here = speeds == speed
         std = np.sqrt(np.average(study.loads.std[here, k] ** 2, weights=p[here] + 1e-300))
         label = "parked" if speed == 0 else f"{speed:g} m/s"
-        rows.append((label, float(p[here].sum() * HOURS_PER_YEAR), float(part[here].sum()), float(100 * part[here].sum() / max(part.sum(), 1e-300)), std * 1e-6))
+        rows.append(
+            (
+                label,
+                float(p[here].sum() * HOURS_PER_YEAR),
+                float(part[here].sum()),
+                float(100 * part[here].sum() / max(part.sum(), 1e-300)),
+                std * 1e-6,
+            )
+        )
     return Table(name="damage_by_speed", title="Where the damage comes from", columns=columns, rows=tuple(rows))
 
 
@@ -134,15 +194,31 @@ def state_table(study) -> Table:
     """Return all states with their probability and damage."""
     t, k = study.loads.table, study.loads.index("TwrBsMyt")
     columns = (
-        Column(name="Wind speed", unit="m/s", decimals=2), Column(name="Hs", unit="m", decimals=2), Column(name="Tp", unit="s", decimals=2),
-        Column(name="Turbine"), Column(name="Hours per year", decimals=2), Column(name="Mean moment", unit="MN m", decimals=2),
-        Column(name="σ of moment", unit="MN m", decimals=2), Column(name="Damage", scientific=3),
-    )  # fmt: skip
+        Column(name="Wind speed", unit="m/s", decimals=2),
+        Column(name="Hs", unit="m", decimals=2),
+        Column(name="Tp", unit="s", decimals=2),
+        Column(name="Turbine"),
+        Column(name="Hours per year", decimals=2),
+        Column(name="Mean moment", unit="MN m", decimals=2),
+        Column(name="σ of moment", unit="MN m", decimals=2),
+        Column(name="Damage", scientific=3),
+    )
     rows = tuple(
-        (float(t.wind_speed[i]), float(t.significant_height[i]), float(t.peak_period[i]), "runs" if t.operating[i] else "parked", float(t.hours_per_year[i]),
-         float(study.loads.mean[i, k] / 1e6), float(study.loads.std[i, k] / 1e6), float(study.tower.by_state[i, study.worst])) for i in range(len(t))
-    )  # fmt: skip
-    return Table(name="states", title="States", columns=columns, rows=rows, note="Damage at the worst point of the tower base.")
+        (
+            float(t.wind_speed[i]),
+            float(t.significant_height[i]),
+            float(t.peak_period[i]),
+            "runs" if t.operating[i] else "parked",
+            float(t.hours_per_year[i]),
+            float(study.loads.mean[i, k] / 1e6),
+            float(study.loads.std[i, k] / 1e6),
+            float(study.tower.by_state[i, study.worst]),
+        )
+        for i in range(len(t))
+    )
+    return Table(
+        name="states", title="States", columns=columns, rows=rows, note="Damage at the worst point of the tower base."
+    )
 
 
 def ultimate_table(study) -> Table:
@@ -150,16 +226,32 @@ def ultimate_table(study) -> Table:
     u, t = study.ultimate, study.loads.table
     years = f"{u.return_period:g} years"
     columns = (
-        Column(name="Channel"), Column(name="Unit"), Column(name="|μ| + σ", unit=ROW), Column(name="Expected largest", unit=ROW),
-        Column(name="90 % fractile", unit=ROW), Column(name="Governing state"), Column(name=f"Once in {years}, all states", unit=ROW),
-        Column(name=f"Contour of {years}", unit=ROW), Column(name="Contour, 90 %", unit=ROW), Column(name="State of the contour"),
-    )  # fmt: skip
+        Column(name="Channel"),
+        Column(name="Unit"),
+        Column(name="|μ| + σ", unit=ROW),
+        Column(name="Expected largest", unit=ROW),
+        Column(name="90 % fractile", unit=ROW),
+        Column(name="Governing state"),
+        Column(name=f"Once in {years}, all states", unit=ROW),
+        Column(name=f"Contour of {years}", unit=ROW),
+        Column(name="Contour, 90 %", unit=ROW),
+        Column(name="State of the contour"),
+    )
     rows = []
     for k, name in enumerate(u.channels):
         unit, factor = people(u.units[k])
         values = [float(v[k] * factor) for v in (u.objective, u.expected, u.fractile)]
         later = [float(v[k] * factor) for v in (u.long_term, u.contour, u.contour_fractile)]
-        rows.append((name, unit, *values, _state_text(t, int(u.governing[k])), *later, _state_text(u.contour_table, int(u.contour_state[k]))))
+        rows.append(
+            (
+                name,
+                unit,
+                *values,
+                _state_text(t, int(u.governing[k])),
+                *later,
+                _state_text(u.contour_table, int(u.contour_state[k])),
+            )
+        )
     note = "Largest in a state's duration, with the sign of the mean; without safety factors (IEC 61400-3: 1.35 on normal design situations)."
     return Table(name="ultimate", title="Ultimate loads", columns=columns, rows=tuple(rows), note=note)
 
@@ -169,9 +261,17 @@ def check_table(study) -> Table | None:
     c = study.check
     if c is None:
         return None
-    columns = [Column(name="Wind speed", unit="m/s", decimals=1), Column(name="Hs", unit="m", decimals=2), Column(name="Tp", unit="s", decimals=2)]
+    columns = [
+        Column(name="Wind speed", unit="m/s", decimals=1),
+        Column(name="Hs", unit="m", decimals=2),
+        Column(name="Tp", unit="s", decimals=2),
+    ]
     for m in c.slopes:
-        columns += [Column(name=f"Spectral, m = {m:g}", unit="MPa", decimals=2), Column(name="Rainflow", unit="MPa", decimals=2), Column(name="error", unit="%", decimals=1)]
+        columns += [
+            Column(name=f"Spectral, m = {m:g}", unit="MPa", decimals=2),
+            Column(name="Rainflow", unit="MPa", decimals=2),
+            Column(name="error", unit="%", decimals=1),
+        ]
     t, rows = study.loads.table, []
     for k, state in enumerate(c.states):
         row = [float(t.wind_speed[state]), float(t.significant_height[state]), float(t.peak_period[state])]
@@ -179,7 +279,13 @@ def check_table(study) -> Table | None:
             row += [float(c.spectral[k, j] / 1e6), float(c.counted[k, j] / 1e6), float(100 * c.error[k, j])]
         rows.append(tuple(row))
     note = f"Equivalent ranges at 1 Hz at the worst point, of the states that do most damage; {c.hours} synthesised hours each."
-    return Table(name="rainflow", title="Spectral method against rainflow counting", columns=tuple(columns), rows=tuple(rows), note=note)
+    return Table(
+        name="rainflow",
+        title="Spectral method against rainflow counting",
+        columns=tuple(columns),
+        rows=tuple(rows),
+        note=note,
+    )
 
 
 def _state_text(table, k: int) -> str:
@@ -225,8 +331,12 @@ def around(study) -> Drawing:
     bars.grid(axis="x", visible=False)
     bars.legend(handles, ["of the damage", "of the time"], loc="upper right")
     bars.set_title("Where the damage at the worst point comes from")
-    caption = "Fatigue damage around the tower base seen from above, without design factor, and its share by operating point."
-    return Drawing(name="damage_around", group="fatigue", title="Damage around the tower base", caption=caption, figure=figure)
+    caption = (
+        "Fatigue damage around the tower base seen from above, without design factor, and its share by operating point."
+    )
+    return Drawing(
+        name="damage_around", group="fatigue", title="Damage around the tower base", caption=caption, figure=figure
+    )
 
 
 def by_state(study) -> Drawing:
@@ -236,8 +346,13 @@ def by_state(study) -> Drawing:
     norm = LogNorm(part.max() * 1e-4, part.max())
     figure, axes = grid(1, 2, width=9.5, height=2.7, top=0.4, between=0.75)
     for ax, (x, y, name_x, name_y) in zip(
-        axes[0], ((t.peak_period, t.significant_height, "Tp [s]", "Hs [m]"), (t.wind_speed, t.significant_height, "Wind speed at the hub [m/s]", "Hs [m]")), strict=True
-    ):  # fmt: skip
+        axes[0],
+        (
+            (t.peak_period, t.significant_height, "Tp [s]", "Hs [m]"),
+            (t.wind_speed, t.significant_height, "Wind speed at the hub [m/s]", "Hs [m]"),
+        ),
+        strict=True,
+    ):
         ax.scatter(x[shown], y[shown], s=14, c=np.maximum(part[shown], norm.vmin), norm=norm, cmap="viridis", lw=0)
         ax.set_xlabel(name_x)
         ax.set_ylabel(name_y)
@@ -245,7 +360,9 @@ def by_state(study) -> Drawing:
         ax.set_ylim(bottom=0)
     left, bottom, wide, high = axes[0, 1].get_position().bounds
     axes[0, 1].set_position([left, bottom, wide - 0.09, high])
-    bar = figure.colorbar(cm.ScalarMappable(norm=norm, cmap="viridis"), cax=figure.add_axes([left + wide - 0.07, bottom, 0.014, high]))
+    bar = figure.colorbar(
+        cm.ScalarMappable(norm=norm, cmap="viridis"), cax=figure.add_axes([left + wide - 0.07, bottom, 0.014, high])
+    )
     bar.set_label(f"Damage in {study.tower.years:g} years")
     bar.outline.set_visible(False)
     caption = "Damage of every state at the worst point of the tower base."
@@ -255,13 +372,24 @@ def by_state(study) -> Drawing:
 def ultimate(study) -> Drawing:
     """Return the ultimate loads relative to the long-term value."""
     u = study.ultimate
-    wanted = [k for k, n in enumerate(u.channels) if n in ("PtfmSurge", "PtfmPitch", "NcIMUTAxs", "TwrBsFxt", "TwrBsMyt") or n.startswith("T[")]
+    wanted = [
+        k
+        for k, n in enumerate(u.channels)
+        if n in ("PtfmSurge", "PtfmPitch", "NcIMUTAxs", "TwrBsFxt", "TwrBsMyt") or n.startswith("T[")
+    ]
     figure, axes = grid(1, 1, width=9.0, height=2.6, top=0.55)
     ax, x = axes[0, 0], np.arange(len(wanted))
-    series = (("|μ| + σ", u.objective, GREY), ("expected largest, all states", u.expected, BLUE), ("contour, expected", u.contour, AMBER), ("contour, 90 %", u.contour_fractile, ORANGE))
+    series = (
+        ("|μ| + σ", u.objective, GREY),
+        ("expected largest, all states", u.expected, BLUE),
+        ("contour, expected", u.contour, AMBER),
+        ("contour, 90 %", u.contour_fractile, ORANGE),
+    )
     handles = []
     for j, (_, values, colour) in enumerate(series):
-        handles.append(ax.bar(x + 0.2 * (j - 1.5), [values[k] / u.long_term[k] for k in wanted], 0.19, color=colour, lw=0))
+        handles.append(
+            ax.bar(x + 0.2 * (j - 1.5), [values[k] / u.long_term[k] for k in wanted], 0.19, color=colour, lw=0)
+        )
     handles.append(ax.axhline(1.0, color=INK, lw=1.0))
     ax.set_xticks(x)
     ax.set_xticklabels([u.channels[k] for k in wanted])
@@ -278,9 +406,13 @@ def scatter(study) -> Drawing:
     figure, axes = grid(1, 2, width=9.5, height=2.5, top=0.4, between=0.75)
     size = 3 + 160 * t.probability / t.probability.max()
     speeds = Normalize(0, max(float(t.wind_speed.max()), 1.0))
-    axes[0, 0].scatter(t.peak_period, t.significant_height, s=size, c=t.wind_speed, norm=speeds, cmap="viridis", lw=0, alpha=0.8)
+    axes[0, 0].scatter(
+        t.peak_period, t.significant_height, s=size, c=t.wind_speed, norm=speeds, cmap="viridis", lw=0, alpha=0.8
+    )
     axes[0, 0].set_xlabel("Tp [s]")
-    axes[0, 1].scatter(t.wind_speed, t.significant_height, s=size, c=t.wind_speed, norm=speeds, cmap="viridis", lw=0, alpha=0.8)
+    axes[0, 1].scatter(
+        t.wind_speed, t.significant_height, s=size, c=t.wind_speed, norm=speeds, cmap="viridis", lw=0, alpha=0.8
+    )
     axes[0, 1].set_xlabel("Wind speed at the hub [m/s]")
     for ax in axes[0]:
         ax.set_ylabel("Hs [m]")
@@ -298,7 +430,9 @@ def rainflow(study) -> Drawing:
     top = 1.08 * max(c.spectral.max(), c.counted.max()) / 1e6
     ax.fill_between([0, top], [0, 0.9 * top], [0, 1.1 * top], color=GREY, alpha=0.2, lw=0, label="± 10 %")
     for j, (m, colour) in enumerate(zip(c.slopes, (BLUE, AMBER, ORANGE, INK), strict=False)):
-        ax.plot(c.counted[:, j] / 1e6, c.spectral[:, j] / 1e6, color=colour, marker="o", ms=4, ls="", label=f"m = {m:g}")
+        ax.plot(
+            c.counted[:, j] / 1e6, c.spectral[:, j] / 1e6, color=colour, marker="o", ms=4, ls="", label=f"m = {m:g}"
+        )
     ax.plot([0, top], [0, top], color=INK, lw=0.8)
     ax.set_xlim(0, top)
     ax.set_ylim(0, top)

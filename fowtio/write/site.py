@@ -18,15 +18,27 @@ from model.environment.joint import UNITS, log_density, parameters_at, variable_
 
 LABELS = {"wind_speed": "Wind speed", "significant_height": "Hs", "peak_period": "Tp", "zero_crossing_period": "Tz"}
 PARAMETER_LABELS = {
-    "scale": "scale", "shape": "shape", "exponent": "exponent", "location": "location", "mean_log": "mean of ln Tp",
-    "std_log": "std of ln Tp", "variance_log": "variance of ln Tp",
-}  # fmt: skip
+    "scale": "scale",
+    "shape": "shape",
+    "exponent": "exponent",
+    "location": "location",
+    "mean_log": "mean of ln Tp",
+    "std_log": "std of ln Tp",
+    "variance_log": "variance of ln Tp",
+}
 
 
-def write_contour(study, folder: str | Path, *, figures: bool = True, progress: Callable[[str], None] = lambda text: None) -> list[Path]:
+def write_contour(
+    study, folder: str | Path, *, figures: bool = True, progress: Callable[[str], None] = lambda text: None
+) -> list[Path]:
     """Write report, workbook and figures of a ContourStudy into a folder and return the files."""
     site = study.site
-    tables = [isoline_table(study), distribution_table(study), *([fit_table(study)] if study.fit else []), *search_tables(study)]
+    tables = [
+        isoline_table(study),
+        distribution_table(study),
+        *([fit_table(study)] if study.fit else []),
+        *search_tables(study),
+    ]
     notes = notes_of(study)
 
     def sections(pictures):
@@ -35,17 +47,27 @@ def write_contour(study, folder: str | Path, *, figures: bool = True, progress: 
             Section(title="Design points", content=(tables[0], *at("isolines_plan", "contour_surface"))),
             Section(title="Isolines by wind speed", content=at("isolines_panels")),
             Section(title="Worst state of a response", content=tuple(search_tables(study))),
-            Section(title="Joint distribution", content=(distribution_table(study), *at("fit_marginals", "fit_conditionals"))),
+            Section(
+                title="Joint distribution",
+                content=(distribution_table(study), *at("fit_marginals", "fit_conditionals")),
+            ),
             Section(title="Goodness of fit", content=((fit_table(study), *at("fit_qq")) if study.fit else ())),
             Section(title="Record and notes", content=(bullet_list(notes),) if notes else ()),
         ]
 
     return write_document(
-        folder, name="contour", kind="Environmental contour of a site", title=site.title, origin=f"Site {site.path.name}",
-        cards=cards(study), drawings=lambda: drawings(study), sections=sections,
+        folder,
+        name="contour",
+        kind="Environmental contour of a site",
+        title=site.title,
+        origin=f"Site {site.path.name}",
+        cards=cards(study),
+        drawings=lambda: drawings(study),
+        sections=sections,
         sheets=[("Design points", [tables[0]]), ("Distribution", tables[1:]), ("Isolines", [lines_table(study)])],
-        figures=figures, progress=progress,
-    )  # fmt: skip
+        figures=figures,
+        progress=progress,
+    )
 
 
 def notes_of(study) -> list[str]:
@@ -67,7 +89,11 @@ def cards(study) -> list[Card]:
     top = max(study.isolines, key=lambda i: i.max_hs[1])
     return [
         Card(label="Return period", value=f"{study.return_period:g} years", note=f"β = {study.beta:.3f}"),
-        Card(label="Largest Hs, turbine running", value=f"{top.max_hs[1]:.2f} m", note=f"Tp {top.max_hs[2]:.2f} s at {top.hub_wind_speed:g} m/s"),
+        Card(
+            label="Largest Hs, turbine running",
+            value=f"{top.max_hs[1]:.2f} m",
+            note=f"Tp {top.max_hs[2]:.2f} s at {top.hub_wind_speed:g} m/s",
+        ),
         Card(label="Wind speed at the hub", value=f"{study.hub_range[1]:.1f} m/s", note="the contour's largest"),
         Card(label="Hs of the whole contour", value=f"{study.surface[..., 1].max():.2f} m", note="at any wind speed"),
     ]
@@ -76,9 +102,12 @@ def cards(study) -> list[Card]:
 def isoline_table(study) -> Table:
     """Return the design points of all isolines."""
     columns = [
-        Column(name="Hub wind speed", unit="m/s", decimals=1), Column(name="Largest Hs", unit="m", decimals=2), Column(name="Tp there", unit="s", decimals=2),
-        Column(name="Largest Tp", unit="s", decimals=2), Column(name="Hs there", unit="m", decimals=2),
-    ]  # fmt: skip
+        Column(name="Hub wind speed", unit="m/s", decimals=1),
+        Column(name="Largest Hs", unit="m", decimals=2),
+        Column(name="Tp there", unit="s", decimals=2),
+        Column(name="Largest Tp", unit="s", decimals=2),
+        Column(name="Hs there", unit="m", decimals=2),
+    ]
     one_year = {i.hub_wind_speed: i.max_hs for i in study.reference}
     if one_year:
         columns += [Column(name="Hs, 1 year", unit="m", decimals=2), Column(name="Tp, 1 year", unit="s", decimals=2)]
@@ -92,14 +121,21 @@ def isoline_table(study) -> Table:
         row += (list(item.max_hs_interval) if item.max_hs_interval is not None else [None, None]) if sure else []
         rows.append(tuple(None if v is None else float(v) for v in row))
     return Table(
-        name="isolines", title=f"Design points of the {study.return_period:g}-year contour", columns=tuple(columns), rows=tuple(rows),
+        name="isolines",
+        title=f"Design points of the {study.return_period:g}-year contour",
+        columns=tuple(columns),
+        rows=tuple(rows),
         note="The largest Hs at a wind speed stands with the median Tp given it.",
-    )  # fmt: skip
+    )
 
 
 def lines_table(study) -> Table:
     """Return the points of all isolines."""
-    columns = (Column(name="Hub wind speed", unit="m/s", decimals=1), Column(name="Hs", unit="m", decimals=3), Column(name="Tp", unit="s", decimals=3))
+    columns = (
+        Column(name="Hub wind speed", unit="m/s", decimals=1),
+        Column(name="Hs", unit="m", decimals=3),
+        Column(name="Tp", unit="s", decimals=3),
+    )
     rows = tuple(tuple(float(v) for v in point) for item in study.isolines for point in item.line)
     return Table(name="lines", title="Isolines", columns=columns, rows=rows)
 
@@ -112,7 +148,15 @@ def distribution_table(study) -> Table:
         for p, d in v.parameters.items():
             words = d.form if d.given is None else f"{d.form} in {LABELS.get(d.given, d.given)}"
             values = [f"{c:.6g}".replace("-", "−") for c in d.coefficients] + [""] * (3 - len(d.coefficients))
-            rows.append((LABELS.get(v.name, v.name), v.family.replace("_variance", ""), PARAMETER_LABELS.get(p, p), words, *values))
+            rows.append(
+                (
+                    LABELS.get(v.name, v.name),
+                    v.family.replace("_variance", ""),
+                    PARAMETER_LABELS.get(p, p),
+                    words,
+                    *values,
+                )
+            )
     note = "constant c1; power c1 + c2 x^c3; exponential c1 + c2 exp(c3 x); hyperbolic c1 + c2/(1 + c3 x)"
     return Table(name="distribution", title="Joint distribution", columns=columns, rows=tuple(rows), note=note)
 
@@ -120,14 +164,28 @@ def distribution_table(study) -> Table:
 def fit_table(study) -> Table:
     """Return how well every variable fits."""
     columns = (
-        Column(name="Variable"), Column(name="Method"), Column(name="States", decimals=0), Column(name="Coefficients", decimals=0),
-        Column(name="Log-likelihood", decimals=0), Column(name="AIC", decimals=0), Column(name="KS distance", decimals=4),
+        Column(name="Variable"),
+        Column(name="Method"),
+        Column(name="States", decimals=0),
+        Column(name="Coefficients", decimals=0),
+        Column(name="Log-likelihood", decimals=0),
+        Column(name="AIC", decimals=0),
+        Column(name="KS distance", decimals=4),
         Column(name="p of KS", decimals=3),
-    )  # fmt: skip
+    )
     rows = tuple(
-        (LABELS.get(v.variable.name, v.variable.name), v.method.replace("_", " "), float(study.fit.count), float(v.goodness.free),
-         v.goodness.log_likelihood, v.goodness.aic, v.goodness.ks_distance, v.goodness.ks_probability) for v in study.fit.variables
-    )  # fmt: skip
+        (
+            LABELS.get(v.variable.name, v.variable.name),
+            v.method.replace("_", " "),
+            float(study.fit.count),
+            float(v.goodness.free),
+            v.goodness.log_likelihood,
+            v.goodness.aic,
+            v.goodness.ks_distance,
+            v.goodness.ks_probability,
+        )
+        for v in study.fit.variables
+    )
     note = "Kolmogorov–Smirnov probabilities take states as independent, which hours are not: small ones are usual of long records."
     return Table(name="goodness", title="Goodness of fit", columns=columns, rows=rows, note=note)
 
@@ -140,11 +198,22 @@ def search_tables(study) -> list[Table]:
 
     unit, factor = people(study.search.unit)
     columns = (
-        Column(name="Hub wind speed", unit="m/s", decimals=1), Column(name="Hs", unit="m", decimals=2), Column(name="Tp", unit="s", decimals=2),
+        Column(name="Hub wind speed", unit="m/s", decimals=1),
+        Column(name="Hs", unit="m", decimals=2),
+        Column(name="Tp", unit="s", decimals=2),
         Column(name=f"{study.search.channel}, expected largest", unit=unit),
-    )  # fmt: skip
-    rows = tuple((*map(float, s), float(v * factor)) for s, v in zip(study.search.by_speed, study.search.values, strict=True))
-    return [Table(name="search", title=f"States of the contour that make {study.search.channel} largest", columns=columns, rows=rows)]
+    )
+    rows = tuple(
+        (*map(float, s), float(v * factor)) for s, v in zip(study.search.by_speed, study.search.values, strict=True)
+    )
+    return [
+        Table(
+            name="search",
+            title=f"States of the contour that make {study.search.channel} largest",
+            columns=columns,
+            rows=rows,
+        )
+    ]
 
 
 def drawings(study) -> list[Drawing]:
@@ -161,12 +230,27 @@ def plan(study) -> Drawing:
     for item in study.isolines:
         ax.plot(item.line[:, 2], item.line[:, 1], color=cm.viridis(norm(item.hub_wind_speed)), lw=1.1)
     crests = np.array([i.max_hs for i in study.isolines])
-    ax.plot(crests[:, 2], crests[:, 1], color=INK, lw=0.9, marker="o", ms=3, label=f"largest Hs, {study.return_period:g} years")
+    ax.plot(
+        crests[:, 2],
+        crests[:, 1],
+        color=INK,
+        lw=0.9,
+        marker="o",
+        ms=3,
+        label=f"largest Hs, {study.return_period:g} years",
+    )
     if study.reference:
         year = np.array([i.max_hs for i in study.reference])
         ax.plot(year[:, 2], year[:, 1], color=ORANGE, lw=0.9, marker="o", ms=3, label="largest Hs, 1 year")
     if study.search is not None:
-        ax.plot(*study.search.state[[2, 1]], color=ORANGE, marker="*", ms=12, ls="", label=f"worst of {study.search.channel}")
+        ax.plot(
+            *study.search.state[[2, 1]],
+            color=ORANGE,
+            marker="*",
+            ms=12,
+            ls="",
+            label=f"worst of {study.search.channel}",
+        )
     ax.set_xlabel("Peak period [s]")
     ax.set_ylabel("Significant wave height [m]")
     ax.set_xlim(left=0)
@@ -189,9 +273,18 @@ def surface(study) -> Drawing:
     x = study.surface
     norm = Normalize(x[..., 0].min(), x[..., 0].max())
     ax.plot_surface(
-        x[..., 2], x[..., 1], x[..., 0], facecolors=cm.viridis(norm(x[..., 0])), rstride=1, cstride=1, lw=0, alpha=0.75, antialiased=False, shade=False,
+        x[..., 2],
+        x[..., 1],
+        x[..., 0],
+        facecolors=cm.viridis(norm(x[..., 0])),
+        rstride=1,
+        cstride=1,
+        lw=0,
+        alpha=0.75,
+        antialiased=False,
+        shade=False,
         rasterized=True,
-    )  # fmt: skip
+    )
     for item in (study.isolines[0], study.isolines[-1]):
         ax.plot(item.line[:, 2], item.line[:, 1], item.line[:, 0], color=INK, lw=1.2)
     ax.set_xlabel("Tp [s]")
@@ -235,7 +328,9 @@ def panels(study, columns: int = 6) -> Drawing:
         axes[k // columns, k % columns].set_visible(False)
     legend(figure, list(handles.values()), list(handles))
     caption = "Isolines at every wind speed at hub height, with the states of largest significant height."
-    return Drawing(name="isolines_panels", group="contour", title="Isolines by wind speed", caption=caption, figure=figure)
+    return Drawing(
+        name="isolines_panels", group="contour", title="Isolines by wind speed", caption=caption, figure=figure
+    )
 
 
 def marginals(study) -> Drawing:
@@ -251,7 +346,12 @@ def marginals(study) -> Drawing:
         handles["record"] = pdf.hist(data, bins=60, density=True, color=GREY, alpha=0.4)[2][0]
         ordered = np.sort(data)
         left = 1 - (np.arange(len(ordered)) + 0.5) / len(ordered)
-        keep = np.unique(np.append(np.arange(0, len(ordered), max(1, len(ordered) // 800)), np.arange(max(0, len(ordered) - 200), len(ordered))))
+        keep = np.unique(
+            np.append(
+                np.arange(0, len(ordered), max(1, len(ordered) // 800)),
+                np.arange(max(0, len(ordered) - 200), len(ordered)),
+            )
+        )
         tail.plot(ordered[keep], left[keep], color=GREY, marker=".", ms=3, ls="")
     handles["distribution"] = pdf.plot(x, np.exp(log_density(variable, x)), color=BLUE)[0]
     from scipy.special import ndtr
@@ -259,7 +359,9 @@ def marginals(study) -> Drawing:
     tail.plot(x, ndtr(-variable_to_normal(variable, x)), color=BLUE)
     tail.set_yscale("log")
     tail.set_ylim(1e-7, 1.5)
-    label = f"{LABELS.get(variable.name, variable.name)} at {study.site.wind_height:g} m [{UNITS.get(variable.name, '')}]"
+    label = (
+        f"{LABELS.get(variable.name, variable.name)} at {study.site.wind_height:g} m [{UNITS.get(variable.name, '')}]"
+    )
     for ax, name in ((pdf, "Density"), (tail, "Probability of exceedance")):
         ax.set_xlabel(label)
         ax.set_title(name)
@@ -270,8 +372,15 @@ def marginals(study) -> Drawing:
 
 
 def conditionals(study) -> Drawing:
-    """Return the parameters of the conditional distributions over what they are given, with those of separate classes."""
-    wanted = [(k, v, p) for k, v in enumerate(study.site.model.variables) for p, d in v.parameters.items() if d.given is not None]
+    """Return the parameters of the conditional distributions over what they are given, with those of separate
+    classes.
+    """
+    wanted = [
+        (k, v, p)
+        for k, v in enumerate(study.site.model.variables)
+        for p, d in v.parameters.items()
+        if d.given is not None
+    ]
     figure, axes = grid(1, len(wanted), width=11.0, height=2.2, top=0.55, between=0.75)
     handles: dict = {}
     for ax, (k, variable, parameter) in zip(axes[0], wanted, strict=True):
@@ -282,13 +391,20 @@ def conditionals(study) -> Drawing:
         handles["fit"] = ax.plot(x, np.broadcast_to(parameters_at(variable, x)[parameter], x.shape), color=BLUE)[0]
         if classes is not None:
             handles["classes (size: states)"] = ax.scatter(
-                classes.centre, classes.parameters[parameter], s=4 + 30 * np.sqrt(classes.count / classes.count.max()), color=AMBER, zorder=3, lw=0
+                classes.centre,
+                classes.parameters[parameter],
+                s=4 + 30 * np.sqrt(classes.count / classes.count.max()),
+                color=AMBER,
+                zorder=3,
+                lw=0,
             )
         ax.set_xlabel(f"{LABELS.get(given, given)} [{UNITS.get(given, '')}]")
         ax.set_title(f"{LABELS.get(variable.name, variable.name)}: {PARAMETER_LABELS.get(parameter, parameter)}")
     legend(figure, list(handles.values()), list(handles))
     caption = "How the distributions of Hs and Tp follow what they are given."
-    return Drawing(name="fit_conditionals", group="fit", title="Conditional distributions", caption=caption, figure=figure)
+    return Drawing(
+        name="fit_conditionals", group="fit", title="Conditional distributions", caption=caption, figure=figure
+    )
 
 
 def qq(study) -> Drawing:
@@ -301,10 +417,14 @@ def qq(study) -> Drawing:
         ax.plot(ends, ends, color=GREY, lw=0.9)
         ax.plot(g.model_quantiles, g.data_quantiles, color=BLUE, marker=".", ms=3, ls="")
         unit = "standard normal" if conditional else UNITS.get(item.variable.name, "")
-        ax.set_title(f"{LABELS.get(item.variable.name, item.variable.name)}{' given ' + LABELS.get(item.variable.given[0], '') if conditional else ''}")
+        ax.set_title(
+            f"{LABELS.get(item.variable.name, item.variable.name)}{' given ' + LABELS.get(item.variable.given[0], '') if conditional else ''}"
+        )
         ax.set_xlabel(f"distribution [{unit}]")
         ax.set_ylabel(f"record [{unit}]")
-    caption = "Quantiles of the record over those of the fit; conditional variables after the Rosenblatt transformation."
+    caption = (
+        "Quantiles of the record over those of the fit; conditional variables after the Rosenblatt transformation."
+    )
     return Drawing(name="fit_qq", group="fit", title="Quantiles", caption=caption, figure=figure)
 
 
@@ -318,6 +438,7 @@ def summary_rows(study) -> list[tuple[str, str]]:
     """Return the site in labels and texts, for the terminal."""
     site = study.site
     return [
-        ("depth", f"{number(site.depth, 'm', 0)} m"), ("return period", f"{study.return_period:g} years, β = {study.beta:.4f}"),
+        ("depth", f"{number(site.depth, 'm', 0)} m"),
+        ("return period", f"{study.return_period:g} years, β = {study.beta:.4f}"),
         ("hub wind speeds", f"{study.hub_range[0]:.2f} to {study.hub_range[1]:.2f} m/s"),
-    ]  # fmt: skip
+    ]

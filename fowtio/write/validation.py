@@ -1,109 +1,169 @@
-"""The comparison with time series: RAO figures, a workbook and a netCDF-free table that people can hand on."""
+"""The comparison with time series as people hand it on: report, workbook, figures and tables in one folder."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import datetime
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 
+from fowtio import __version__
+from fowtio.write import validation_tables as tables
 from fowtio.write.atomic import atomic_folder
-from fowtio.write.quantities import people, slug
-from fowtio.write.style import AMBER, BLUE, GREY, INK, RC, Drawing, frequency_axis, grid, legend, save
-from model.response.identify import WHOLE_BAND
+from fowtio.write.excel import Book
+from fowtio.write.provenance import versions
+from fowtio.write.quantities import slug, state_label
+from fowtio.write.report import Card, Section, environment
+from fowtio.write.style import save
+from fowtio.write.table import Table
+from fowtio.write.validation_figures import drawings
 
-_ROWS = 2
+REPORT, WORKBOOK = "validation.html", "validation.xlsx"
+THESIS_CASE = "OC4 DeepCwind"  # studies of which the source thesis shows the same pictures
 
 
-def write_comparison(found: Sequence, folder) -> list[Path]:
-    """Write figures (PNG, SVG) and tables (CSV) of validations into a folder; return the files. Nothing is left on failure."""
+def write_comparison(
+    found: Sequence, folder, *, model=None, decays: Sequence = (), figures: bool = True, progress: Callable[[str], None] = lambda text: None
+) -> list[Path]:  # fmt: skip
+    """Write report, workbook, figures (PNG, SVG) and tables (CSV) of validations into a folder; return the files.
+
+    Report and workbook need the model; decays are decay tests. All files appear or none.
+    """
     folder = Path(folder)
-    names: list[str] = []
     with atomic_folder(folder) as inside:
+        pictures = _draw(found, decays, inside, model, figures, progress)
         for item in found:
-            with mpl.rc_context(RC):
-                drawing = rao_comparison(item)
-            save(drawing, inside)
-            _table(item).to_csv(inside / f"{slug(item.state)}_rao.csv", index=False, float_format="%.6g")
-            _summary(item).to_csv(inside / f"{slug(item.state)}_summary.csv", index=False, float_format="%.6g")
-            names += [f"{drawing.name}.png", f"{drawing.name}.svg", f"{slug(item.state)}_rao.csv", f"{slug(item.state)}_summary.csv"]
-    return [folder / name for name in names]
+            if item.estimate is not None:
+                _csv(*tables.spectra_numbers(item)[:2], inside / f"{slug(item.state)}_{item.kind}.csv")
+        if model is not None:
+            progress("writing the report")
+            (inside / REPORT).write_text(report(model, found, decays, pictures), encoding="utf-8")
+            _workbook(model, found, decays, inside / WORKBOOK)
+        written = sorted(p.relative_to(inside) for p in inside.rglob("*") if p.is_file())
+    return [folder / name for name in written]
 
 
-def rao_comparison(item) -> Drawing:
-    """Return the figure of RAO magnitudes: reference with its confidence band, model, and model with quadratic drag; coherence."""
-    f = item.estimate.frequency
-    inside = (f >= WHOLE_BAND[0]) & (f <= WHOLE_BAND[1])
-    f = f[inside]
-    count = len(item.channels)
-    columns = min(3, count)
-    rows = -(-count // columns)
-    figure, axes = grid(_ROWS * rows, columns, ratios=(1.0, 0.35), gaps=(0.12, 0.62))
-    spread = 1.96 * np.sqrt((1 - item.estimate.coherence[inside]).clip(0) / (2 * item.estimate.averages))
-    handles: dict = {}
-    for k, channel in enumerate(item.channels):
-        top, low = axes[_ROWS * (k // columns), k % columns], axes[_ROWS * (k // columns) + 1, k % columns]
-        unit, factor = people(channel.unit)
-        reference = item.estimate.energy_rao[inside, k] * factor
-        handles["OpenFAST ± 95 %"] = top.fill_between(f, reference * (1 - spread[:, k]), reference * (1 + spread[:, k]), color=GREY, alpha=0.35, lw=0)
-        handles["OpenFAST |H|₂"] = top.plot(f, reference, color=INK, lw=1.0)[0]
-        handles["model"] = top.plot(f, item.model_rao[inside, k] * factor, color=BLUE)[0]
-        if item.quadratic_rao is not None:
-            handles["model, quadratic drag"] = top.plot(f, item.quadratic_rao[inside, k] * factor, color=AMBER, ls="--", lw=1.2)[0]
-        top.set_title(f"{channel.name} [{unit}/m], σ {100 * channel.std_error:+.1f} %")
-        top.set_ylim(bottom=0)
-        frequency_axis(top, f[0], f[-1], label=False)
-        low.plot(f, item.estimate.coherence[inside, k], color=GREY, lw=1.0)
-        low.set_ylim(0, 1.02)
-        low.set_yticks([0, 1])
-        low.set_ylabel("γ²")
-        frequency_axis(low, f[0], f[-1])
-        if k + columns < count:
-            low.set_xlabel("")
-    for k in range(count, rows * columns):
-        for r in range(_ROWS):
-            axes[_ROWS * (k // columns) + r, k % columns].set_visible(False)
-    legend(figure, list(handles.values()), list(handles))
-    caption = (
-        f"RAO magnitudes of state {item.state}: {len(item.files)} OpenFAST records, √(Syy/Sηη), Hann segments of "
-        f"{item.estimate.segment:.0f} s, about {item.estimate.averages:.0f} independent averages; the model smoothed with the same window. "
-        "Below: coherence of the reference."
+def report(model, found: Sequence, decays: Sequence = (), pictures: Sequence = ()) -> str:
+    """Return the report as one HTML page."""
+    sections = [
+        _doubts(found, decays), *(_state_section(model, item, pictures) for item in found),
+        *([_decay_section(decays, pictures)] if decays else []), _method_section(found), _provenance(model, found, decays),
+    ]  # fmt: skip
+    return environment().get_template("report.html.j2").render(
+        kind="Code-to-code validation against time-domain simulations", title=model.case.title or model.case.path.stem, study=model.case.path.name,
+        deck=model.deck.path.name, version=__version__, date=datetime.date.today().isoformat(), cards=cards(found, decays),
+        summary=tables.overview(found, decays), conditions=tables.settings(found), sections=[(f"part-{n}", s) for n, s in enumerate(sections, start=1)],
+    )  # fmt: skip
+
+
+def cards(found: Sequence, decays: Sequence = ()) -> list[Card]:
+    """Return the key figures of the overview: the verdict, the worst channel of each comparison, the decay tests."""
+    judged = [c for i in found for c in i.channels if c.verdict != "not judged"]
+    good = sum(c.passed for c in judged) + sum(d.passed for d in decays)
+    wrong = sum(f.severity == "error" for i in found for f in i.findings)
+    out = [Card(label="Judged figures inside their tolerance", value=f"{good} of {len(judged) + len(decays)}", note=f"{wrong} doubts about the reference" if wrong else "nothing wrong with the reference")]
+    for item in found:
+        worst = [c for c in item.channels if c.verdict != "not judged"]
+        if not worst:
+            continue
+        key = (lambda c: abs(c.mean_error)) if item.kind == "mean" else (lambda c: abs(c.std_error))
+        c = max(worst, key=key)
+        value = c.mean_error if item.kind == "mean" else c.std_error
+        what = "mean" if item.kind == "mean" else "σ"
+        out.append(Card(label=f"Largest error of {what}, {item.state}", value=f"{100 * value:+.1f} %".replace("-", "−"), note=c.name))
+    if decays:
+        d = max(decays, key=lambda x: abs(x.period_error))
+        out.append(Card(label="Largest error of a decay's period", value=f"{100 * d.period_error:+.2f} %".replace("-", "−"), note=d.channel))
+    return out
+
+
+def _doubts(found, decays) -> Section:
+    table = tables.findings(found, decays)
+    words = "<p>Checked: signs, units, time axes, wave channels, wave height and period, lengths of the records, missing channels, records given twice.</p>"
+    return Section(title="Is it the right reference?", content=(words, table if table is not None else "<p>Nothing to note.</p>"))
+
+
+def _state_section(model, item, pictures) -> Section:
+    state = next(s for s in model.states if s.name == item.state)
+    words = f"<p>{_escaped(state_label(state))}.</p>"
+    own = tuple(p for p in pictures if p.group == f"validation {item.state}") if item.kind != "mean" else ()
+    more = (tables.bands(item),) if item.estimate is not None else ()
+    lack = tables.lack(item)
+    return Section(title=f"{item.state}: {tables.KINDS[item.kind]}", content=(words, tables.channels(item), *own, *([lack] if lack else [])), fold=(*more, tables.mapping(item)))
+
+
+def _decay_section(decays, pictures) -> Section:
+    return Section(title="Decay tests", content=(tables.decay_table(decays), *(p for p in pictures if p.group == "decays")))
+
+
+def _method_section(found) -> Section:
+    rules = (
+        "σ error: standard deviation of the model over that of the reference, less one. The model is taken in the reference's own wave spectrum, and in the wind that "
+        "its rotor felt as far as thrust and motion of the records tell; the state's own spectra are judged too, where the seeds' 95 % interval may count.",
+        "RAO and spectrum error: √(Σ(a − a_ref)²/Σ a_ref²) of amplitudes over 0.006 to 0.199 Hz: an error of |H| weighted by the energy of the response.",
+        "|H|₂ = √(Syy/Sηη) holds all of the energy, H₁ = Sηy/Sηη the part that follows the waves; its bounds are those of Bendat and Piersol.",
+        "The model's |H|² is seen through the same spectral window. A record whose mean was removed lacks what is slower than itself; so does the model in wind.",
+        "Mean error: over the reference's mean, or over its standard deviation where that is larger.",
+        "Quadratic drag: the same model with the drag force itself, driven by the reference's own waves. Memory: with HydroDyn's convolution of the radiation "
+        "kernel, its length, step and lag, besides.",
+        "Verdicts: within the tolerance that the study names; else within the 95 % interval of the reference's seeds (only in wind); else outside.",
     )
-    title = "RAOs against OpenFAST"
-    return Drawing(name=f"validation_{slug(item.state)}", group="validation", title=title, caption=caption, figure=figure)
+    return Section(title="How it was measured", content=("<ul>" + "".join(f"<li>{_escaped(r)}</li>" for r in rules) + "</ul>",))
 
 
-def _table(item):
-    """Return frequency, reference and model RAO magnitudes and coherence of every channel, SI per metre."""
-    import pandas as pd
-
-    f = item.estimate.frequency
-    inside = (f >= WHOLE_BAND[0]) & (f <= WHOLE_BAND[1])
-    data = {"frequency (Hz)": f[inside]}
-    for k, channel in enumerate(item.channels):
-        unit = f"({channel.unit}/m)"
-        data[f"{channel.name} reference {unit}"] = item.estimate.energy_rao[inside, k]
-        data[f"{channel.name} model {unit}"] = item.model_rao[inside, k]
-        data[f"{channel.name} model unsmoothed {unit}"] = item.model_rao_raw[inside, k]
-        if item.quadratic_rao is not None:
-            data[f"{channel.name} quadratic drag {unit}"] = item.quadratic_rao[inside, k]
-        data[f"{channel.name} coherence (-)"] = item.estimate.coherence[inside, k]
-    return pd.DataFrame(data)
+def _provenance(model, found, decays) -> Section:
+    name = model.case.path.name
+    command = f'fowtio validate "{name}" -o validation' if " " in name else f"fowtio validate {name} -o validation"
+    options = model.case.options
+    words = (
+        f"<p>To make this report again, in the folder of the study:</p><pre>{_escaped(command)}</pre><p>Drag linearised for the {_escaped(options.drag_model)} velocity; "
+        f"excitation below the data: {_escaped(options.low_frequency_excitation)}; wind {_escaped(options.wind_spectrum)}, {_escaped(options.wind_averaging)}.</p>"
+    )
+    return Section(title="Versions, settings and files", content=(words, versions()), fold=(tables.files(model, found, decays),))
 
 
-def _summary(item):
-    """Return the figures of every channel."""
-    import pandas as pd
+def _draw(found, decays, folder: Path, model, figures: bool, progress) -> list:
+    if not figures:
+        return []
+    out = []
+    for drawing in drawings(found, decays, thesis=model is not None and THESIS_CASE in model.case.title):
+        progress(f"drawing {drawing.title}")
+        out.append(save(drawing, folder))
+    return out
 
-    rows = []
-    for c in item.channels:
-        bands = {f"RAO error band {k + 1} (-)": e for k, e in enumerate(c.band_errors)}
-        rows.append({
-            "channel": c.name, "unit": c.unit, "std model": c.std_model, "std reference": c.std_reference, "std error (-)": c.std_error,
-            "std error same waves (-)": c.std_error_same_waves, "std error quadratic drag (-)": c.std_error_nonlinear,
-            "seed scatter (-)": c.scatter, "mean model": c.mean_model, "mean reference": c.mean_reference, "RAO error (-)": c.rao_error,
-            "RAO error quadratic drag (-)": c.rao_error_nonlinear, **bands, "coherence (-)": c.coherence_mean, "peak (Hz)": c.peak_frequency,
-            "peak shift (-)": c.peak_frequency_error, "peak height (-)": c.peak_error, "within tolerance": c.passed,
-        })  # fmt: skip
-    return pd.DataFrame(rows)
+
+def _workbook(model, found, decays, path: Path) -> None:
+    book = Book()
+    book.sheet("Overview", [tables.overview(found, decays)], title=model.case.title)
+    doubts = tables.findings(found, decays)
+    book.sheet("Doubts", [doubts if doubts is not None else _none("findings", "Doubts about the reference")])
+    for item in found:
+        more = [t for t in (tables.channels(item), tables.bands(item) if item.estimate is not None else None, tables.lack(item), tables.mapping(item)) if t is not None]
+        book.sheet(tables.title(item), more)
+        if item.estimate is not None:
+            book.numbers(f"{item.state} numbers", *tables.spectra_numbers(item))
+    if decays:
+        book.sheet("Decay tests", [tables.decay_table(decays)])
+    book.sheet("Settings", [tables.settings(found), versions()])
+    book.sheet("Files", [tables.files(model, found, decays)])
+    book.save(path)
+
+
+def _none(name: str, title: str) -> Table:
+    from fowtio.write.table import Column
+
+    return Table(name=name, title=title, columns=(Column(name="What"),), rows=(("none",),))
+
+
+def _csv(headings: Sequence[str], values: np.ndarray, path: Path) -> None:
+    with path.open("w", encoding="utf-8") as stream:
+        np.savetxt(stream, values, fmt="%.6g", delimiter=",", header=",".join(headings), comments="")
+
+
+def _escaped(text: str) -> str:
+    from markupsafe import Markup
+
+    return str(Markup.escape(text))
+
+

@@ -1,7 +1,7 @@
 """Anchors from the load of a mooring line: drag-embedded by mass, suction piles by length, diameter and wall.
 
-Both are curves of the ultimate holding capacity fitted to soil, for preliminary design; a pile takes uplift, a drag anchor
-does not.
+Both are curves of the ultimate holding capacity fitted to soil, for preliminary design; a pile takes uplift, a drag
+anchor does not.
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ PILE_SOILS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Anchor:
-    """One anchor: kind, soil, ultimate holding capacity [N], mass [kg]; of a pile also length, diameter and wall [m]."""
+    """One anchor: kind, soil, ultimate holding capacity [N], mass [kg]; of a pile also length, diameter and wall
+    [m].
+    """
 
     kind: str
     soil: str

@@ -1,7 +1,8 @@
 """What a floating foundation costs to make: steel, ballast, welding, paint, moorings, anchors (thesis 8.3.1).
 
-Only what follows from dimensions: no towing, no installation, no turbine. Welding is that of plates of a standard size put
-together on a weld as wide as the plate is thick; the thesis leaves wall thickness and ballast open, so they are inputs.
+Only what follows from dimensions: no towing, no installation, no turbine. Welding is that of plates of a standard size
+put together on a weld as wide as the plate is thick; the thesis leaves wall thickness and ballast open, so they are
+inputs.
 """
 
 from __future__ import annotations
@@ -50,7 +51,9 @@ class Plating:
 
 @dataclass(frozen=True, kw_only=True)
 class PlateLayout:
-    """Raw plates, length and width [m], and the difficulty of putting them together (C1 times Theta of thesis eq. 8.4)."""
+    """Raw plates, length and width [m], and the difficulty of putting them together (C1 times Theta of thesis eq.
+    8.4).
+    """
 
     length: float = 10.0
     width: float = 4.0
@@ -94,7 +97,9 @@ class Semisubmersible:
         if self.heave_plate_diameter < self.column_diameter:
             raise ValueError("heave plates must not be narrower than their columns")
         if self.spacing < self.heave_plate_diameter:
-            raise ValueError(f"heave plates of {self.heave_plate_diameter:g} m overlap at a radius of {self.radius:g} m")
+            raise ValueError(
+                f"heave plates of {self.heave_plate_diameter:g} m overlap at a radius of {self.radius:g} m"
+            )
 
     @property
     def heave_plate_diameter(self) -> float:
@@ -183,7 +188,8 @@ class WeldTimes:
 def weld_times(plating: Sequence[Plating], layout: PlateLayout | None = None) -> WeldTimes:
     """Return the times of welding (thesis eq. 8.4 and 8.5).
 
-    T1 = C1 Theta sqrt(k rho V) of each part's k raw plates; T2 = sum C2 a^m L with the weld's width a [mm] that of the plate.
+    T1 = C1 Theta sqrt(k rho V) of each part's k raw plates; T2 = sum C2 a^m L with the weld's width a [mm] that of the
+    plate.
     """
     layout = layout or PlateLayout()
     plates = [np.ceil(p.area / (layout.length * layout.width)) for p in plating]

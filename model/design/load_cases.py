@@ -1,7 +1,7 @@
 """Load cases: tables of sea and wind states with probabilities, from a joint distribution or as standards ask for them.
 
-A table is what fatigue sums over and what ultimate loads are looked for in. Wind speeds are those at hub height; the joint
-distribution may hold them at another height, `to_hub` is the factor between the two.
+A table is what fatigue sums over and what ultimate loads are looked for in. Wind speeds are those at hub height; the
+joint distribution may hold them at another height, `to_hub` is the factor between the two.
 """
 
 from __future__ import annotations
@@ -77,7 +77,9 @@ class StateTable:
         return self.probability * HOURS_PER_YEAR
 
 
-def state_table(name: str, wind_speed, significant_height, peak_period, probability=None, *, heading=0.0, operating=True, **more) -> StateTable:
+def state_table(
+    name: str, wind_speed, significant_height, peak_period, probability=None, *, heading=0.0, operating=True, **more
+) -> StateTable:
     """Return a table of states from columns (n) or single values; probability None is zero throughout."""
     columns = np.broadcast_arrays(
         wind_speed, significant_height, peak_period, 0.0 if probability is None else probability, heading, operating
@@ -146,9 +148,7 @@ def binned_states(
     p = over_bins(weight)
     keep = p > max(least, 1e-300)
     means = [over_bins(weight * g)[keep] / p[keep] for g in grids]
-    return state_table(
-        name, *means, p[keep] / p[keep].sum(), operating=(means[0] >= cut_in) & (means[0] <= cut_out)
-    )
+    return state_table(name, *means, p[keep] / p[keep].sum(), operating=(means[0] >= cut_in) & (means[0] <= cut_out))
 
 
 def _split(variable, given, edges, nodes: int):
@@ -176,7 +176,14 @@ def _split(variable, given, edges, nodes: int):
 
 
 def crest_states(
-    model: JointModel, to_hub: float, speeds: Sequence[float], return_period: float, *, state_duration: float = 1.0, kind: str = "max_hs", **more
+    model: JointModel,
+    to_hub: float,
+    speeds: Sequence[float],
+    return_period: float,
+    *,
+    state_duration: float = 1.0,
+    kind: str = "max_hs",
+    **more,
 ) -> StateTable:
     """Return the states of a contour with the largest height (or period) at hub wind speeds: thesis Tables 26 and 28.
 
@@ -198,18 +205,33 @@ def expected_sea(model: JointModel, to_hub: float, speeds) -> tuple[np.ndarray, 
 
 
 def dlc_1_3(model: JointModel, to_hub: float, speeds: Sequence[float]) -> StateTable:
-    """Return DLC 1.3 of IEC 61400-3: extreme turbulence with the expected sea at each wind speed; safety factor 1.35."""
+    """Return DLC 1.3 of IEC 61400-3: extreme turbulence with the expected sea at each wind speed; safety factor
+    1.35.
+    """
     h, t = expected_sea(model, to_hub, speeds)
     return state_table("DLC 1.3", speeds, h, t, turbulence_model="ETM", safety=1.35)
 
 
-def dlc_1_6(model: JointModel, to_hub: float, speeds: Sequence[float], *, return_period: float = 50.0, state_duration: float = 1.0) -> StateTable:
+def dlc_1_6(
+    model: JointModel,
+    to_hub: float,
+    speeds: Sequence[float],
+    *,
+    return_period: float = 50.0,
+    state_duration: float = 1.0,
+) -> StateTable:
     """Return DLC 1.6 of IEC 61400-3: normal turbulence with the severe sea, that of the contour at each wind speed."""
-    return crest_states(model, to_hub, speeds, return_period, state_duration=state_duration, name="DLC 1.6", safety=1.35)
+    return crest_states(
+        model, to_hub, speeds, return_period, state_duration=state_duration, name="DLC 1.6", safety=1.35
+    )
 
 
-def dlc_6_1(model: JointModel, to_hub: float, *, return_period: float = 50.0, state_duration: float = 1.0) -> StateTable:
-    """Return DLC 6.1 of IEC 61400-3: parked, the extreme wind speed together with the sea of the largest Hs of the contour."""
+def dlc_6_1(
+    model: JointModel, to_hub: float, *, return_period: float = 50.0, state_duration: float = 1.0
+) -> StateTable:
+    """Return DLC 6.1 of IEC 61400-3: parked, the extreme wind speed together with the sea of the largest Hs of the
+    contour.
+    """
     beta = reliability_index(return_period, state_duration)
     speed = level_range(model, beta)[1] * to_hub
     sea = design_points(model, beta)[0].state
@@ -222,7 +244,9 @@ def with_probability(table: StateTable, probability) -> StateTable:
 
 
 def wind_probabilities(model: JointModel, to_hub: float, speeds: Sequence[float]) -> np.ndarray:
-    """Return how often (n) the hub wind speed is nearest to each of rising speeds (n), the outer ones taking half a step more."""
+    """Return how often (n) the hub wind speed is nearest to each of rising speeds (n), the outer ones taking half a
+    step more.
+    """
     speeds = np.asarray(speeds, dtype=float)
     middle = (speeds[1:] + speeds[:-1]) / 2
     edges = np.concatenate([[2 * speeds[0] - middle[0]], middle, [2 * speeds[-1] - middle[-1]]])

@@ -1,9 +1,9 @@
 """Environmental contours: states that are exceeded, in the sense of each method, once in a return period.
 
-IFORM (Winterstein et al. 1993): the sphere of radius beta in the space of independent standard normal variables, brought
-back to states. A half-space that touches it has the probability Phi(-beta), one state in the return period; the outside of
-the whole sphere has more. Highest-density contours (Haselsteiner et al. 2017) enclose all but that probability; contours by
-direct sampling (Huseby et al. 2013) have it beyond every tangent, from a sample alone.
+IFORM (Winterstein et al. 1993): the sphere of radius beta in the space of independent standard normal variables,
+brought back to states. A half-space that touches it has the probability Phi(-beta), one state in the return period; the
+outside of the whole sphere has more. Highest-density contours (Haselsteiner et al. 2017) enclose all but that
+probability; contours by direct sampling (Huseby et al. 2013) have it beyond every tangent, from a sample alone.
 """
 
 from __future__ import annotations
@@ -35,12 +35,14 @@ class DesignPoint:
 def reliability_index(return_period: float, state_duration: float = 1.0) -> float:
     """Return beta, the radius of the contour.
 
-    return_period [years], state_duration [hours]; Phi^-1(1 - 1/n) of n states in the return period (thesis eq. 7.2). Raises
-    ValueError when the return period is no longer than two states.
+    return_period [years], state_duration [hours]; Phi^-1(1 - 1/n) of n states in the return period (thesis eq. 7.2).
+    Raises ValueError when the return period is no longer than two states.
     """
     states = return_period * HOURS_PER_YEAR / state_duration if state_duration > 0 else 0.0
     if not states > 2:
-        raise ValueError(f"a return period of {return_period:g} years and states of {state_duration:g} h make no rare state; give more than two states")
+        raise ValueError(
+            f"a return period of {return_period:g} years and states of {state_duration:g} h make no rare state; give more than two states"
+        )
     return float(-ndtri(1 / states))
 
 
@@ -50,7 +52,9 @@ def exceedance_probability(beta: float) -> float:
 
 
 def outside_probability(beta: float, variables: int) -> float:
-    """Return the probability of the whole outside of an IFORM contour, per state: that of chi-squared beyond beta squared."""
+    """Return the probability of the whole outside of an IFORM contour, per state: that of chi-squared beyond beta
+    squared.
+    """
     return float(chdtrc(variables, beta**2))
 
 
@@ -71,15 +75,21 @@ def unit_directions(variables: int, count: int) -> np.ndarray:
 
 
 def iform_contour(model: JointModel, beta: float, count: int = 2000) -> np.ndarray:
-    """Return `count` states (count, d) of the IFORM contour: a closed line of two variables, scattered over the surface of three."""
+    """Return `count` states (count, d) of the IFORM contour: a closed line of two variables, scattered over the surface
+    of three.
+    """
     return to_physical(model, beta * unit_directions(len(model.variables), count))
 
 
 def iform_surface(model: JointModel, beta: float, levels: int = 61, around: int = 73) -> np.ndarray:
-    """Return the IFORM surface of three variables as a grid (levels, around, 3): isolines of the first variable, closed."""
+    """Return the IFORM surface of three variables as a grid (levels, around, 3): isolines of the first variable,
+    closed.
+    """
     polar = np.linspace(0, np.pi, levels)[:, None]
     angle = np.linspace(0, 2 * np.pi, around)
-    u = np.stack(np.broadcast_arrays(-np.cos(polar), np.sin(polar) * np.cos(angle), np.sin(polar) * np.sin(angle)), axis=-1)
+    u = np.stack(
+        np.broadcast_arrays(-np.cos(polar), np.sin(polar) * np.cos(angle), np.sin(polar) * np.sin(angle)), axis=-1
+    )
     return to_physical(model, beta * u)
 
 
@@ -104,7 +114,9 @@ def crest(model: JointModel, beta: float, value: float, kind: str = "max_hs") ->
     sign = {"max_tp": 1.0, "min_tp": -1.0}
     if kind not in sign:
         raise ValueError(f"unknown kind of design point {kind!r}; use max_hs, max_tp or min_tp")
-    angle = _maximise_on_circle(lambda u: sign[kind] * to_physical(model, np.insert(u, 0, first, axis=-1))[..., 2], radius)
+    angle = _maximise_on_circle(
+        lambda u: sign[kind] * to_physical(model, np.insert(u, 0, first, axis=-1))[..., 2], radius
+    )
     return to_physical(model, np.array([first, radius * np.cos(angle), radius * np.sin(angle)]))
 
 
@@ -117,7 +129,9 @@ def level_range(model: JointModel, beta: float) -> tuple[float, float]:
 
 
 def design_points(model: JointModel, beta: float, value: float | None = None) -> tuple[DesignPoint, ...]:
-    """Return the states of largest height and of largest and smallest period: of the whole contour, or of one isoline."""
+    """Return the states of largest height and of largest and smallest period: of the whole contour, or of one
+    isoline.
+    """
     kinds = ("max_hs", "max_tp", "min_tp")
     if value is not None:
         return tuple(DesignPoint(kind=k, state=crest(model, beta, value, k)) for k in kinds)
@@ -138,8 +152,14 @@ class WorstState:
 
 
 def worst_state(
-    model: JointModel, beta: float, response: Callable[[np.ndarray], np.ndarray], *, count: int = 400, refinements: int = 14, batch: int = 24,
-) -> WorstState:  # fmt: skip
+    model: JointModel,
+    beta: float,
+    response: Callable[[np.ndarray], np.ndarray],
+    *,
+    count: int = 400,
+    refinements: int = 14,
+    batch: int = 24,
+) -> WorstState:
     """Return the state of the IFORM contour with the largest response: inverse FORM with the model itself.
 
     Parameters
@@ -178,8 +198,8 @@ def worst_state(
 def highest_density_level(model: JointModel, probability: float, points: int = 121) -> float:
     """Return the density below which states have this probability in all.
 
-    The density is evaluated on a grid of the standard normal variables (points each way, out to 8) and ranked, so that the
-    tail is integrated, not sampled.
+    The density is evaluated on a grid of the standard normal variables (points each way, out to 8) and ranked, so that
+    the tail is integrated, not sampled.
     """
     d = len(model.variables)
     axis = np.linspace(-8, 8, points)
@@ -220,27 +240,49 @@ def highest_density_contour(model: JointModel, probability: float, count: int = 
     return to_physical(model, centre + low[:, None] * direction)
 
 
-def direct_sampling_contour(states, probability: float, count: int = 181) -> np.ndarray:
-    """Return the contour (count, 2) of two variables from a sample: corners of the tangents that leave `probability` beyond.
+def direct_sampling_contour(states, probability: float, count: int = 181, total: int | None = None) -> np.ndarray:
+    """Return the contour (count, 2) of two variables from a sample: corners of the tangents that leave `probability`
+    beyond.
 
-    states (n, 2), a sample of the joint distribution or the record itself; n should be some hundred times 1/probability.
-    Raises ValueError when the sample is smaller than ten times that. Source: Huseby, Vanem and Natvig (2013), Ocean Eng. 60:124.
+    states (n, 2), a sample of the joint distribution or the record itself; of a sample of `total` states those that can
+    lie beyond a tangent are enough. Raises ValueError for fewer than ten states beyond. Source: Huseby, Vanem and Natvig
+    (2013), Ocean Eng. 60:124.
     """
     states = np.asarray(states, dtype=float)
-    n = len(states)
-    if n * probability < 10:
-        raise ValueError(f"{n} states are too few for a probability of {probability:.3g}; sample {10 / probability:.0f} or more")
+    total = len(states) if total is None else total
+    if total * probability < 10:
+        raise ValueError(
+            f"{total} states are too few for a probability of {probability:.3g}; sample {10 / probability:.0f} or more"
+        )
     mean, std = states.mean(axis=0), states.std(axis=0)
     scaled = (states - mean) / std
     angle = np.linspace(0, 2 * np.pi, count)
-    rank = n - max(int(np.floor(n * probability)), 1)
+    rank = len(states) - max(int(np.floor(total * probability)), 1)
     cos, sin = np.cos(angle), np.sin(angle)
-    tangent = np.array([np.partition(scaled[:, 0] * c + scaled[:, 1] * s, rank)[rank] for c, s in zip(cos[:-1], sin[:-1], strict=True)])
-    tangent = np.append(tangent, tangent[0])
-    after, ahead = np.roll(tangent[:-1], -1), angle[1] - angle[0]
-    across = (after - tangent[:-1] * np.cos(ahead)) / np.sin(ahead)
-    corner = np.stack([tangent[:-1] * cos[:-1] - across * sin[:-1], tangent[:-1] * sin[:-1] + across * cos[:-1]], axis=-1)
+    along = (scaled[:, 0] * c + scaled[:, 1] * s for c, s in zip(cos[:-1], sin[:-1], strict=True))
+    tangent = np.array([np.partition(a, rank)[rank] for a in along])
+    after, ahead = np.roll(tangent, -1), angle[1] - angle[0]
+    across = (after - tangent * np.cos(ahead)) / np.sin(ahead)
+    cos, sin = cos[:-1], sin[:-1]
+    corner = np.stack([tangent * cos - across * sin, tangent * sin + across * cos], axis=-1)
     return mean + std * np.vstack([corner, corner[:1]])
+
+
+def sampled_contour(model: JointModel, probability: float, rng: np.random.Generator, count: int = 181) -> np.ndarray:
+    """Return the contour by direct sampling (count, 2) of a joint distribution of two variables.
+
+    Draws fifty states beyond each tangent, at most twenty million in all; those near the middle (within 2 of the
+    standard normal variables) are thrown away at once, since no rare half-plane holds them. Raises ValueError for a
+    probability above 0.01 or too small for that many draws.
+    """
+    if not 0 < probability <= 0.01:
+        raise ValueError(f"a probability of {probability:g} per state is not rare; give 0.01 or less")
+    total, kept, done = min(int(50 / probability), 20_000_000), [], 0
+    while done < total:
+        u = rng.standard_normal((min(1_000_000, total - done), 2))
+        done += len(u)
+        kept.append(to_physical(model, u[(u**2).sum(axis=1) > 4.0]))
+    return direct_sampling_contour(np.concatenate(kept), probability, count, total)
 
 
 def outside_fraction(model: JointModel, beta: float, states) -> tuple[float, float]:
@@ -265,7 +307,9 @@ def _circle(model: JointModel, beta: float, value: float) -> tuple[float, float]
     if not abs(first) <= beta:
         low, high = level_range(model, beta)
         what = "wind speed" if model.names[0] == WIND else model.names[0]
-        raise ValueError(f"the contour does not reach a {what} of {value:g}: it goes from {low:.4g} to {high:.4g} (at the height of the fit)")
+        raise ValueError(
+            f"the contour does not reach a {what} of {value:g}: it goes from {low:.4g} to {high:.4g} (at the height of the fit)"
+        )
     return first, float(np.sqrt(beta**2 - first**2))
 
 
@@ -291,4 +335,6 @@ def _cap(centre: np.ndarray, size: float, count: int) -> np.ndarray:
     a = np.cross(centre, other)
     a /= np.linalg.norm(a)
     b = np.cross(centre, a)
-    return np.cos(tilt)[:, None] * centre + np.sin(tilt)[:, None] * (np.cos(turn)[:, None] * a + np.sin(turn)[:, None] * b)
+    return np.cos(tilt)[:, None] * centre + np.sin(tilt)[:, None] * (
+        np.cos(turn)[:, None] * a + np.sin(turn)[:, None] * b
+    )

@@ -1,8 +1,8 @@
 """Joint distributions of sea and wind: a chain of variables, each given at most one before it.
 
 A chain is what the Rosenblatt transformation needs: with u = Phi^-1(F(x | what it is given)), variable by variable, the
-states become independent standard normal variables (Rosenblatt 1952, Ann. Math. Stat. 23:470). Distributions are written
-directly between x and u, through logarithms of probabilities, so that states of 10 000 years keep their digits.
+states become independent standard normal variables (Rosenblatt 1952, Ann. Math. Stat. 23:470). Distributions are
+written directly between x and u, through logarithms of probabilities, so that states of 10 000 years keep their digits.
 """
 
 from __future__ import annotations
@@ -51,7 +51,9 @@ class Dependence:
         if len(values) != FORMS[self.form] or not np.isfinite(values).all():
             raise ValueError(f"the {self.form} form needs {FORMS[self.form]} finite coefficients, not {values}")
         if (self.given is None) != (self.form == "constant"):
-            raise ValueError(f"the {self.form} form {'depends on nothing' if self.given else 'needs the name of what it depends on'}")
+            raise ValueError(
+                f"the {self.form} form {'depends on nothing' if self.given else 'needs the name of what it depends on'}"
+            )
         object.__setattr__(self, "coefficients", values)
 
     def __call__(self, x=None) -> np.ndarray:
@@ -99,8 +101,9 @@ class Variable:
     Parameters
     ----------
     name : wind_speed, significant_height, peak_period, ... ; unit for people
-    family : "weibull" (scale, shape, and if not 0 and 1 location and exponent: F = (1 - exp(-((x - location)/scale)^shape))^exponent),
-        "lognormal" (mean_log, std_log) or "lognormal_variance" (mean_log, variance_log)
+    family : "weibull" (scale, shape, and if not 0 and 1 location and exponent: F = (1 - exp(-((x -
+        location)/scale)^shape))^exponent), "lognormal" (mean_log, std_log) or "lognormal_variance" (mean_log,
+        variance_log)
     parameters : Dependence by the name of the parameter
 
     Raises
@@ -125,7 +128,9 @@ class Variable:
                 + (f"{' and '.join(missing)} missing" if missing else f"{' and '.join(unused)} is not among them")
             )
         if len(self.given) > 1:
-            raise ValueError(f"{self.name}: its parameters depend on {' and '.join(self.given)}; one of them is what fowtio models")
+            raise ValueError(
+                f"{self.name}: its parameters depend on {' and '.join(self.given)}; one of them is what fowtio models"
+            )
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
         object.__setattr__(self, "unit", self.unit or UNITS.get(self.name, ""))
 
@@ -146,7 +151,9 @@ class JointModel:
         for v in self.variables:
             for name in v.given:
                 if name not in known:
-                    raise ValueError(f"{v.name} depends on {name}, which does not come before it ({', '.join(known) or 'nothing does'})")
+                    raise ValueError(
+                        f"{v.name} depends on {name}, which does not come before it ({', '.join(known) or 'nothing does'})"
+                    )
             if v.name in known:
                 raise ValueError(f"two variables are named {v.name}")
             known.append(v.name)
@@ -169,7 +176,9 @@ def parameters_at(variable: Variable, given=None) -> dict[str, np.ndarray]:
 
 
 def to_standard(model: JointModel, x) -> np.ndarray:
-    """Return the independent standard normal variables (..., d) of states x (..., d); outside a distribution they are infinite."""
+    """Return the independent standard normal variables (..., d) of states x (..., d); outside a distribution they are
+    infinite.
+    """
     x = np.asarray(x, dtype=float)
     out = np.empty_like(x)
     for k, variable in enumerate(model.variables):
@@ -231,7 +240,9 @@ def variable_from_normal(variable: Variable, u, given=None) -> np.ndarray:
 
 
 def log_density(variable: Variable, x, given=None) -> np.ndarray:
-    """Return the logarithm of the density of a value x (...) given another (...), minus infinity where there is none."""
+    """Return the logarithm of the density of a value x (...) given another (...), minus infinity where there is
+    none.
+    """
     return family_log_density(variable.family, np.asarray(x, dtype=float), parameters_at(variable, given))
 
 

@@ -21,7 +21,7 @@ from model.system.drag import element_motion, linear_drag, resisted_directions
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Decay:
-    """A free decay: period [s] (damped), linear damping ratio and quadratic (per unit of amplitude), offset, first amplitude;
+    """A free decay: period [s] (damped), linear damping ratio and quadratic (per unit of amplitude), offset, first amplitude and phase [rad];
     the cycles' mean amplitude (k), period (k) [s] and damping ratio (k) by logarithmic decrement; the fitted history (t) on time (t)
     [s]; residual, the part of the record's variance that the fit leaves.
     """
@@ -31,6 +31,7 @@ class Decay:
     quadratic: float
     offset: float
     start: float
+    phase: float
     amplitude: np.ndarray
     cycle_period: np.ndarray
     cycle_damping: np.ndarray
@@ -79,20 +80,24 @@ def free_decay(time, motion, period: float) -> Decay:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.log(cycle[0] / cycle[1]) / np.pi
     return Decay(
-        period=2 * np.pi / x[0], linear=x[1], quadratic=x[2], offset=x[5], start=x[3],
+        period=2 * np.pi / x[0], linear=x[1], quadratic=x[2], offset=x[5], start=x[3], phase=x[4],
         amplitude=np.sqrt(cycle[0] * cycle[1])[large], cycle_period=(where[2:] - where[:-2])[large], cycle_damping=ratio[large],
         time=time, fitted=_history(x, time), residual=float(left),
     )  # fmt: skip
 
 
 def _history(x, time) -> np.ndarray:
-    """Return the decaying motion (t): amplitude a' = -w (z1 a + z2 a^2), starting from an extreme."""
     w, z1, z2, start, phase, offset = x
+    return offset + amplitude_history(time, w, z1, z2, start, phase)
+
+
+def amplitude_history(time, w: float, z1: float, z2: float, start: float, phase: float) -> np.ndarray:
+    """Return a decaying motion (t) of frequency w [rad/s] whose amplitude obeys a' = -w (z1 a + z2 a^2) from `start` on."""
     elapsed = time - time[0]
     gone = np.exp(-np.clip(z1 * w * elapsed, -50, 50))
     growth = (1 - gone) / z1 if abs(z1) > 1e-9 else w * elapsed
     amplitude = start * gone / np.maximum(1 + z2 * start * growth, 0.05)
-    return offset + amplitude * np.cos(w * elapsed + phase)
+    return amplitude * np.cos(w * elapsed + phase)
 
 
 def extremes(time, motion, period: float) -> tuple[np.ndarray, np.ndarray]:

@@ -1,7 +1,7 @@
 """Ultimate loads: the largest response of a state, and of all states over the years.
 
-A Gaussian response crosses a level x upwards at the rate nu exp(-(x - mu)^2 / (2 sigma^2)), nu the rate of upcrossings of
-its mean; rare crossings come independently, so the largest value in a time T lies below x with the probability
+A Gaussian response crosses a level x upwards at the rate nu exp(-(x - mu)^2 / (2 sigma^2)), nu the rate of upcrossings
+of its mean; rare crossings come independently, so the largest value in a time T lies below x with the probability
 exp(-nu T exp(-...)) (Naess and Moan 2012, ch. 10).
 """
 
@@ -24,7 +24,8 @@ def upcrossing_rate(m0, m2) -> np.ndarray:
 
 
 def peak_factor(rate, duration: float) -> np.ndarray:
-    """Return how many deviations the expected largest value lies above the mean (Davenport 1964); rate (...) [1/s], duration [s].
+    """Return how many deviations the expected largest value lies above the mean (Davenport 1964); rate (...) [1/s],
+    duration [s].
 
     u + 0.5772 / u with u = sqrt(2 ln(rate duration)); fewer than e upcrossings are taken for e.
     """
@@ -33,7 +34,9 @@ def peak_factor(rate, duration: float) -> np.ndarray:
 
 
 def expected_largest(mean, std, rate, duration: float) -> np.ndarray:
-    """Return the expected largest value (...) in a duration [s] of responses with mean, std and upcrossing rate (...)."""
+    """Return the expected largest value (...) in a duration [s] of responses with mean, std and upcrossing rate
+    (...).
+    """
     return np.asarray(mean) + peak_factor(rate, duration) * np.asarray(std)
 
 
@@ -57,9 +60,7 @@ def exceedance(level, mean, std, rate, duration: float) -> np.ndarray:
     return np.where(z > 0, -np.expm1(-crossings), 1.0)
 
 
-def long_term_extreme(
-    mean, std, rate, probability, return_period: float, state_duration: float = 3600.0
-) -> np.ndarray:
+def long_term_extreme(mean, std, rate, probability, return_period: float, state_duration: float = 3600.0) -> np.ndarray:
     """Return the response that is exceeded once in a return period, over all states.
 
     Solves sum_i p_i P(largest of state i > x) = 1 / n by bisection, n the number of states in the return period; every
@@ -84,7 +85,9 @@ def long_term_extreme(
     p = np.asarray(probability, dtype=float)
     target = state_duration / (return_period * HOURS_PER_YEAR * 3600)
     if (p < 0).any() or p.sum() > 1 + 1e-6:
-        raise ValueError(f"the probabilities add up to {p.sum():g}, the smallest is {p.min():g}; they must lie in 0 to 1 together")
+        raise ValueError(
+            f"the probabilities add up to {p.sum():g}, the smallest is {p.min():g}; they must lie in 0 to 1 together"
+        )
     if p.sum() <= target:
         raise ValueError(f"states of the probability {p.sum():.3g} in all do not come once in {return_period:g} years")
     weight = p.reshape(-1, *[1] * (mean.ndim - 1))

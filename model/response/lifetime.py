@@ -1,4 +1,6 @@
-"""From the responses of many states to what a lifetime of them does: cross-spectral moments, stresses, damage, extremes."""
+"""From the responses of many states to what a lifetime of them does: cross-spectral moments, stresses, damage,
+extremes.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.response.batch import BatchResponse
-from model.response.fatigue import (
-    ORDERS,
-    SECONDS_PER_YEAR,
-    EnduranceCurve,
-    damage_rate,
-    equivalent_range,
-    range_distribution,
-)
+from model.response.endurance import EnduranceCurve
+from model.response.fatigue import ORDERS, SECONDS_PER_YEAR, damage_rate, equivalent_range, range_distribution
 from model.response.loads import LinearOutputs
 from model.response.solve import trapezoid_weights
 
@@ -81,8 +77,9 @@ def _kernel(omega) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Damage:
-    """Fatigue of p points over a life: years; by_state (s, p) damage in the life of each state's share of time, total (p);
-    moments (s, p, 4) of the stress; equivalent (p) damage-equivalent range over the life at `cycles` cycles, slope `power`.
+    """Fatigue of p points over a life: years; by_state (s, p) damage in the life of each state's share of time, total
+    (p); moments (s, p, 4) of the stress; equivalent (p) damage-equivalent range over the life at `cycles` cycles, slope
+    `power`.
     """
 
     years: float

@@ -49,7 +49,7 @@ def test_the_drag_anchor_of_the_thesis():
 
 
 def test_a_drag_anchor_refuses_uplift_and_a_pile_takes_it():
-    with pytest.raises(ValueError, match="pulls a drag anchor up with 600.0 kN"):
+    with pytest.raises(ValueError, match=r"pulls a drag anchor up with 600\.0 kN"):
         drag_anchor(2000e3, 600e3)
     pile = suction_pile(2000e3, 600e3)
     assert pile.capacity == pytest.approx(1.5 * np.hypot(2000e3, 600e3))
@@ -80,7 +80,13 @@ def test_problems_are_named():
 
 
 SPREAD = SpreadLine(
-    count=3, anchor_radius=800.0, fairlead_radius=60.0, fairlead_height=180.0, length=790.0, weight=1900.0, stiffness=1e9
+    count=3,
+    anchor_radius=800.0,
+    fairlead_radius=60.0,
+    fairlead_height=180.0,
+    length=790.0,
+    weight=1900.0,
+    stiffness=1e9,
 )
 
 

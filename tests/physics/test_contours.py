@@ -7,10 +7,36 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from model.environment.contours import (
-    crest, design_points, direct_sampling_contour, exceedance_probability, highest_density_contour, highest_density_level, iform_contour,
-    iform_surface, isoline, level_range, outside_fraction, outside_probability, reliability_index, unit_directions, wind_factor, worst_state,
-)  # fmt: skip
-from model.environment.joint import HEIGHT, PERIOD, WIND, Dependence, JointModel, Variable, constant, density, sample, to_physical, to_standard
+    crest,
+    design_points,
+    direct_sampling_contour,
+    exceedance_probability,
+    highest_density_contour,
+    highest_density_level,
+    iform_contour,
+    iform_surface,
+    isoline,
+    level_range,
+    outside_fraction,
+    outside_probability,
+    reliability_index,
+    unit_directions,
+    wind_factor,
+    worst_state,
+)
+from model.environment.joint import (
+    HEIGHT,
+    PERIOD,
+    WIND,
+    Dependence,
+    JointModel,
+    Variable,
+    constant,
+    density,
+    sample,
+    to_physical,
+    to_standard,
+)
 
 
 def power(c1, c2, c3, given_by):
@@ -19,35 +45,75 @@ def power(c1, c2, c3, given_by):
 
 def chain(wind, scale, shape, mean_log, variance_log) -> JointModel:
     """Return the joint distribution of the thesis: exponentiated Weibull wind, Weibull Hs, lognormal Tp."""
-    return JointModel(variables=(
-        Variable(name=WIND, family="weibull", parameters={k: constant(v) for k, v in wind.items()}),
-        Variable(name=HEIGHT, family="weibull", parameters={"scale": power(*scale, WIND), "shape": power(*shape, WIND)}),
-        Variable(name=PERIOD, family="lognormal_variance", parameters={
-            "mean_log": power(*mean_log, HEIGHT), "variance_log": Dependence(form="exponential", coefficients=variance_log, given=HEIGHT),
-        }),
-    ))  # fmt: skip
+    return JointModel(
+        variables=(
+            Variable(name=WIND, family="weibull", parameters={k: constant(v) for k, v in wind.items()}),
+            Variable(
+                name=HEIGHT, family="weibull", parameters={"scale": power(*scale, WIND), "shape": power(*shape, WIND)}
+            ),
+            Variable(
+                name=PERIOD,
+                family="lognormal_variance",
+                parameters={
+                    "mean_log": power(*mean_log, HEIGHT),
+                    "variance_log": Dependence(form="exponential", coefficients=variance_log, given=HEIGHT),
+                },
+            ),
+        )
+    )
 
 
 # thesis Tables 17, 19 and 20, with the columns of the Mediterranean sites in the order that reproduces its own results
 TUSCANY = chain(
-    {"scale": 3.0253, "shape": 1.2404, "exponent": 2.1546}, (0.3559, 0.0487, 1.5708), (1.4002, 0.0199, 1.7865),
-    (-69.5990, 71.0447, 0.0064), (0.0, 0.1768, -0.7260),
-)  # fmt: skip
+    {"scale": 3.0253, "shape": 1.2404, "exponent": 2.1546},
+    (0.3559, 0.0487, 1.5708),
+    (1.4002, 0.0199, 1.7865),
+    (-69.5990, 71.0447, 0.0064),
+    (0.0, 0.1768, -0.7260),
+)
 SARDINIA = chain(
-    {"scale": 6.9253, "shape": 1.8745}, (0.4702, 0.0319, 1.7488), (1.5012, 0.0079, 2.0727), (-54.6469, 56.1314, 0.0083), (0.0, 0.1018, -0.6182)
+    {"scale": 6.9253, "shape": 1.8745},
+    (0.4702, 0.0319, 1.7488),
+    (1.5012, 0.0079, 2.0727),
+    (-54.6469, 56.1314, 0.0083),
+    (0.0, 0.1018, -0.6182),
 )
 TABLE_26 = {  # hub wind speed: (Tp, Hs), one year
-    "tuscany": {9: (7.83, 3.77), 11: (8.15, 4.11), 13: (8.41, 4.41), 15: (8.65, 4.69), 17: (8.87, 4.95), 19: (9.07, 5.21), 21: (9.25, 5.44),
-                23: (9.40, 5.64), 25: (9.47, 5.72)},
-    "sardinia": {9: (8.62, 4.17), 11: (9.12, 4.69), 13: (9.53, 5.16), 15: (9.89, 5.59), 17: (10.22, 6.00), 19: (10.53, 6.39), 21: (10.83, 6.78),
-                 23: (11.11, 7.17), 25: (11.38, 7.55)},
-}  # fmt: skip
-TABLE_28 = {"tuscany": {11: (8.68, 4.93), 25: (10.47, 7.14)}, "sardinia": {11: (9.98, 5.60), 25: (12.11, 8.62)}}  # 50 years
+    "tuscany": {
+        9: (7.83, 3.77),
+        11: (8.15, 4.11),
+        13: (8.41, 4.41),
+        15: (8.65, 4.69),
+        17: (8.87, 4.95),
+        19: (9.07, 5.21),
+        21: (9.25, 5.44),
+        23: (9.40, 5.64),
+        25: (9.47, 5.72),
+    },
+    "sardinia": {
+        9: (8.62, 4.17),
+        11: (9.12, 4.69),
+        13: (9.53, 5.16),
+        15: (9.89, 5.59),
+        17: (10.22, 6.00),
+        19: (10.53, 6.39),
+        21: (10.83, 6.78),
+        23: (11.11, 7.17),
+        25: (11.38, 7.55),
+    },
+}
+TABLE_28 = {
+    "tuscany": {11: (8.68, 4.93), 25: (10.47, 7.14)},
+    "sardinia": {11: (9.98, 5.60), 25: (12.11, 8.62)},
+}  # 50 years
 SITES = {"tuscany": TUSCANY, "sardinia": SARDINIA}
 TO_HUB = wind_factor(10.0, 119.0, 0.14)
-NORMAL = JointModel(variables=tuple(
-    Variable(name=n, family="lognormal", parameters={"mean_log": constant(0.0), "std_log": constant(1.0)}) for n in "abc"
-))  # fmt: skip
+NORMAL = JointModel(
+    variables=tuple(
+        Variable(name=n, family="lognormal", parameters={"mean_log": constant(0.0), "std_log": constant(1.0)})
+        for n in "abc"
+    )
+)
 
 
 @pytest.mark.parametrize(("years", "beta"), [(50, 4.584), (1, 3.686)])
@@ -71,7 +137,8 @@ def test_the_tables_of_the_thesis_are_reproduced(site, table, years):
     beta = reliability_index(years)
     for hub, (period, height) in table[site].items():
         _, hs, tp = crest(SITES[site], beta, hub * TO_HUB)
-        # the thesis reads its values off a contour drawn with finite steps: 2 % (its own two tables differ by 1.5 % in Tp)
+        # the thesis reads its values off a contour drawn with finite steps: 2 % (its own two tables differ by 1.5 % in
+        # Tp)
         assert hs == pytest.approx(height, rel=0.02)
         assert tp == pytest.approx(period, rel=0.02)
 
@@ -100,9 +167,7 @@ def test_ten_million_states_fall_outside_as_often_as_they_should():
         assert abs(found - n * probability) < 4 * np.sqrt(n * probability)
 
 
-@given(
-    st.floats(-8, 8), st.floats(-8, 8), st.floats(-6, 6), st.sampled_from(["tuscany", "sardinia"])
-)
+@given(st.floats(-8, 8), st.floats(-8, 8), st.floats(-6, 6), st.sampled_from(["tuscany", "sardinia"]))
 @settings(max_examples=60, deadline=None)
 def test_states_and_standard_variables_are_inverse(a, b, c, site):
     u = np.array([a, b, c])
@@ -113,20 +178,28 @@ def test_states_and_standard_variables_are_inverse(a, b, c, site):
 
 def test_the_contour_lies_on_its_sphere_and_its_isolines_on_it():
     beta = reliability_index(50)
-    for points in (iform_contour(TUSCANY, beta, 300), isoline(TUSCANY, beta, 8.0, 50), iform_surface(TUSCANY, beta, 9, 12)[1:-1]):
+    for points in (
+        iform_contour(TUSCANY, beta, 300),
+        isoline(TUSCANY, beta, 8.0, 50),
+        iform_surface(TUSCANY, beta, 9, 12)[1:-1],
+    ):
         assert np.linalg.norm(to_standard(TUSCANY, points), axis=-1) == pytest.approx(beta, rel=1e-6)  # rounding
     assert isoline(TUSCANY, beta, 8.0)[:, 0] == pytest.approx(8.0)
 
 
 def test_a_lognormal_contour_has_the_closed_form():
-    assert iform_contour(JointModel(variables=NORMAL.variables[:2]), 2.0, 101) == pytest.approx(np.exp(2 * unit_directions(2, 101)))
+    assert iform_contour(JointModel(variables=NORMAL.variables[:2]), 2.0, 101) == pytest.approx(
+        np.exp(2 * unit_directions(2, 101))
+    )
     assert level_range(NORMAL, 3.0) == pytest.approx((np.exp(-3), np.exp(3)))
 
 
 def test_design_points_are_the_extremes_of_a_dense_isoline():
     beta, line = reliability_index(50), isoline(SARDINIA, reliability_index(50), 15.0, 20001)
     points = {p.kind: p.state for p in design_points(SARDINIA, beta, 15.0)}
-    assert points["max_hs"][1] == pytest.approx(line[:, 1].max(), rel=1e-6)  # 20 000 points miss the top by 1e-8 of its curvature
+    assert points["max_hs"][1] == pytest.approx(
+        line[:, 1].max(), rel=1e-6
+    )  # 20 000 points miss the top by 1e-8 of its curvature
     assert points["max_tp"][2] == pytest.approx(line[:, 2].max(), rel=1e-6)
     assert points["min_tp"][2] == pytest.approx(line[:, 2].min(), rel=1e-6)
     with pytest.raises(ValueError, match="max_hs, max_tp or min_tp"):
@@ -151,7 +224,9 @@ def test_the_search_finds_the_worst_state_of_a_known_response():
 
 
 def test_highest_density_encloses_the_right_probability():
-    """Of the normal distribution in u = ln x the region is not a sphere, since the density is per x: so it is sampled."""
+    """Of the normal distribution in u = ln x the region is not a sphere, since the density is per x: so it is
+    sampled.
+    """
     rng = np.random.default_rng(4)
     for model, points, probability in ((SARDINIA, 101, 1e-2), (JointModel(variables=NORMAL.variables[:2]), 401, 1e-3)):
         x = sample(model, 400_000, rng)
@@ -165,7 +240,8 @@ def test_the_highest_density_contour_has_one_density():
     model = JointModel(variables=(SARDINIA.variables[0], SARDINIA.variables[1]))
     line = highest_density_contour(model, 1e-4, 60)
     values = density(model, line)
-    # where a ray leaves the range of a distribution (Hs towards zero) the density stays above the level or falls at once
+    # where a ray leaves the range of a distribution (Hs towards zero) the density stays above the level or falls at
+    # once
     assert np.median(values) == pytest.approx(highest_density_level(model, 1e-4, 401), rel=1e-6)
 
 
@@ -188,9 +264,17 @@ def test_a_chain_that_does_not_hold_together_is_refused():
     with pytest.raises(ValueError, match="shape missing"):
         Variable(name=WIND, family="weibull", parameters={"scale": constant(1.0)})
     with pytest.raises(ValueError, match="skew is not among them"):
-        Variable(name=WIND, family="weibull", parameters={"scale": constant(1.0), "shape": constant(1.0), "skew": constant(1.0)})
+        Variable(
+            name=WIND,
+            family="weibull",
+            parameters={"scale": constant(1.0), "shape": constant(1.0), "skew": constant(1.0)},
+        )
     with pytest.raises(ValueError, match="one of them is what fowtio models"):
-        Variable(name=PERIOD, family="lognormal", parameters={"mean_log": power(1, 1, 1, HEIGHT), "std_log": power(1, 1, 1, WIND)})
+        Variable(
+            name=PERIOD,
+            family="lognormal",
+            parameters={"mean_log": power(1, 1, 1, HEIGHT), "std_log": power(1, 1, 1, WIND)},
+        )
     with pytest.raises(ValueError, match="needs 3 finite coefficients"):
         power(1.0, np.nan, 1.0, WIND)
 
@@ -202,19 +286,35 @@ def test_virocon_gives_the_same_contours():
     height = virocon.WeibullDistribution(alpha=1.1, beta=1.25, gamma=0.15)
     descriptions = [
         {"distribution": height},
-        {"distribution": virocon.LogNormalDistribution(), "conditional_on": 0, "parameters": {
-            "mu": virocon.DependenceFunction(lambda x, a, b, c: a + b * x**c), "sigma": virocon.DependenceFunction(lambda x, a, b, c: a + b * np.exp(c * x)),
-        }},
-    ]  # fmt: skip
+        {
+            "distribution": virocon.LogNormalDistribution(),
+            "conditional_on": 0,
+            "parameters": {
+                "mu": virocon.DependenceFunction(lambda x, a, b, c: a + b * x**c),
+                "sigma": virocon.DependenceFunction(lambda x, a, b, c: a + b * np.exp(c * x)),
+            },
+        },
+    ]
     theirs = virocon.GlobalHierarchicalModel(descriptions)
     for key, values in (("mu", mu), ("sigma", sigma)):
         theirs.distributions[1].conditional_parameters[key].parameters = dict(zip("abc", values, strict=True))
-    ours = JointModel(variables=(
-        Variable(name=HEIGHT, family="weibull", parameters={"scale": constant(1.1), "shape": constant(1.25), "location": constant(0.15)}),
-        Variable(name=PERIOD, family="lognormal", parameters={
-            "mean_log": power(*mu, HEIGHT), "std_log": Dependence(form="exponential", coefficients=sigma, given=HEIGHT),
-        }),
-    ))  # fmt: skip
+    ours = JointModel(
+        variables=(
+            Variable(
+                name=HEIGHT,
+                family="weibull",
+                parameters={"scale": constant(1.1), "shape": constant(1.25), "location": constant(0.15)},
+            ),
+            Variable(
+                name=PERIOD,
+                family="lognormal",
+                parameters={
+                    "mean_log": power(*mu, HEIGHT),
+                    "std_log": Dependence(form="exponential", coefficients=sigma, given=HEIGHT),
+                },
+            ),
+        )
+    )
     alpha = virocon.calculate_alpha(1, 50)
     line = iform_contour(ours, stats.norm.isf(alpha), 1801)
     for point in virocon.IFORMContour(theirs, alpha, n_points=90).coordinates:

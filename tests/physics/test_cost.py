@@ -1,9 +1,9 @@
 """Cost: the thesis's designs, hand calculations, properties.
 
-The thesis does not say how thick walls are or which chain Tuscany has. With its prices and dimensions, what reproduces both
-its costs and its mean offsets is: side columns and heave plates of 33 mm (60 mm, the 0.06 m of OC4, in the upscaled hull),
-main column 30 mm, braces 17.5 mm (both OC4), concrete ballast to the draft, fairleads at the heave plates' edge, and a
-studless chain of 230 kg/m (0.1075 m).
+The thesis does not say how thick walls are or which chain Tuscany has. With its prices and dimensions, what reproduces
+both its costs and its mean offsets is: side columns and heave plates of 33 mm (60 mm, the 0.06 m of OC4, in the
+upscaled hull), main column 30 mm, braces 17.5 mm (both OC4), concrete ballast to the draft, fairleads at the heave
+plates' edge, and a studless chain of 230 kg/m (0.1075 m).
 """
 
 import numpy as np
@@ -30,21 +30,39 @@ TURBINE = 1.305e6  # kg: DTU 10 MW, rotor and nacelle 677 t, tower 628 t
 CHAIN = {"mass": 230.0, "stiffness": 90e9 * 230 / 19.9e3}  # studless: 19.9e3 d^2 kg/m, 0.9e11 d^2 N (Orcina, R4)
 WIRE = {"mass": 76.5, "stiffness": 1353e6}  # thesis Table 22
 UPSCALED = {
-    "column_diameter": 16.97, "radius": 28.87 * np.sqrt(2), "draft": 28.30, "main_freeboard": 14.14, "column_freeboard": 16.97,
-    "plate_height": 8.48, "plate_diameter": 33.94, "column_wall": 0.060,
-}  # fmt: skip
+    "column_diameter": 16.97,
+    "radius": 28.87 * np.sqrt(2),
+    "draft": 28.30,
+    "main_freeboard": 14.14,
+    "column_freeboard": 16.97,
+    "plate_height": 8.48,
+    "plate_diameter": 33.94,
+    "column_wall": 0.060,
+}
 # thesis Tables 32 and 36: d, r, draft, anchor radius, line length, mean surge, cost
 TUSCANY = {
-    1: (14, 44.5, 24.5, 730, 730, 24.30, 4.660e6), 3: (15, 44.5, 20.5, 780, 780, 25.10, 4.778e6), 7: (14.5, 45, 23, 850, 850, 25.93, 4.882e6),
-    15: (14, 44.5, 25, 720, 715, 20.56, 4.690e6), 16: (15, 45, 24, 790, 785, 21.28, 5.082e6), 26: (15, 44.5, 20.5, 780, 775, 21.16, 4.783e6),
+    1: (14, 44.5, 24.5, 730, 730, 24.30, 4.660e6),
+    3: (15, 44.5, 20.5, 780, 780, 25.10, 4.778e6),
+    7: (14.5, 45, 23, 850, 850, 25.93, 4.882e6),
+    15: (14, 44.5, 25, 720, 715, 20.56, 4.690e6),
+    16: (15, 45, 24, 790, 785, 21.28, 5.082e6),
+    26: (15, 44.5, 20.5, 780, 775, 21.16, 4.783e6),
     30: (14.5, 45, 23.5, 860, 860, 26.18, 4.934e6),
-}  # fmt: skip
+}
 SARDINIA = {
-    1: (14, 44.5, 24.5, 810, 855, 24.57, 4.193e6), 5: (15, 44.5, 20.5, 850, 895, 28.01, 4.263e6), 9: (14.5, 45, 23, 910, 950, 28.40, 4.311e6),
-    11: (14, 41.5, 21.5, 860, 915, 36.08, 3.953e6), 12: (14, 42.5, 24.5, 830, 875, 24.32, 4.186e6), 27: (15.5, 44.5, 21, 850, 900, 33.71, 4.490e6),
-    37: (15, 44.5, 20.5, 840, 885, 27.22, 4.260e6), 41: (14.5, 45, 24.5, 820, 860, 22.13, 4.396e6),
-}  # fmt: skip
-FIRST = {"tuscany": (20, 45, 31.5, 840, 825, 19.87, 8.42e6), "sardinia": (20, 45, 32, 800, 840, 28.94, 7.8794e6)}  # Tables 31 and 35
+    1: (14, 44.5, 24.5, 810, 855, 24.57, 4.193e6),
+    5: (15, 44.5, 20.5, 850, 895, 28.01, 4.263e6),
+    9: (14.5, 45, 23, 910, 950, 28.40, 4.311e6),
+    11: (14, 41.5, 21.5, 860, 915, 36.08, 3.953e6),
+    12: (14, 42.5, 24.5, 830, 875, 24.32, 4.186e6),
+    27: (15.5, 44.5, 21, 850, 900, 33.71, 4.490e6),
+    37: (15, 44.5, 20.5, 840, 885, 27.22, 4.260e6),
+    41: (14.5, 45, 24.5, 820, 860, 22.13, 4.396e6),
+}
+FIRST = {
+    "tuscany": (20, 45, 31.5, 840, 825, 19.87, 8.42e6),
+    "sardinia": (20, 45, 32, 800, 840, 28.94, 7.8794e6),
+}  # Tables 31 and 35
 
 
 def design(site, dimensions, anchor_radius, length):
@@ -52,16 +70,31 @@ def design(site, dimensions, anchor_radius, length):
     hull = Semisubmersible(**dimensions)
     line, depth, kind = (CHAIN, 200.0, "chain") if site == "tuscany" else (WIRE, 370.0, "wire")
     submerged = 1 - 1025 / 7850 if kind == "chain" else 0.85
-    spread = spread_under_thrust(SpreadLine(
-        count=3, anchor_radius=anchor_radius, fairlead_radius=hull.fairlead_radius, fairlead_height=depth - hull.fairlead_depth,
-        length=length, weight=line["mass"] * submerged * 9.80665, stiffness=line["stiffness"],
-    ), THRUST)  # fmt: skip
+    spread = spread_under_thrust(
+        SpreadLine(
+            count=3,
+            anchor_radius=anchor_radius,
+            fairlead_radius=hull.fairlead_radius,
+            fairlead_height=depth - hull.fairlead_depth,
+            length=length,
+            weight=line["mass"] * submerged * 9.80665,
+            stiffness=line["stiffness"],
+        ),
+        THRUST,
+    )
     make = drag_anchor if site == "tuscany" else suction_pile
     anchor = make(spread.horizontal, spread.uplift)
     plating = hull_plating(hull)
-    carried = sum(p.mass for p in plating) + TURBINE + 3 * line["mass"] * submerged * 0.15 * length  # the part of lines that hangs
+    carried = (
+        sum(p.mass for p in plating) + TURBINE + 3 * line["mass"] * submerged * 0.15 * length
+    )  # the part of lines that hangs
     items = cost_items(
-        plating, ballast_mass(displaced_volume(hull), carried), 3 * length * line["mass"], 3 * anchor.mass, line=kind, anchor=anchor.kind
+        plating,
+        ballast_mass(displaced_volume(hull), carried),
+        3 * length * line["mass"],
+        3 * anchor.mass,
+        line=kind,
+        anchor=anchor.kind,
     )
     return items, spread.offset
 
@@ -81,12 +114,14 @@ def test_the_second_stage_designs_cost_what_the_thesis_says(site, table):
 
 def test_the_designs_of_table_32_come_in_its_order():
     order = sorted(TUSCANY, key=lambda k: total_cost(row("tuscany", *TUSCANY[k])[0]))
-    # designs 3 and 26 are one hull, with lines of 780 and 775 m: the shorter chain saves less than its larger anchor costs
+    # designs 3 and 26 are one hull, with lines of 780 and 775 m: the shorter chain saves less than its larger anchor
+    # costs
     assert order == sorted(TUSCANY, key=lambda k: TUSCANY[k][-1])
 
 
 @pytest.mark.parametrize(
-    ("site", "anchor_radius", "length", "cost", "share"), [("tuscany", 846.0, 840.0, 8.59e6, 0.98), ("sardinia", 1180.0, 1205.0, 8.15e6, 0.9673)]
+    ("site", "anchor_radius", "length", "cost", "share"),
+    [("tuscany", 846.0, 840.0, 8.59e6, 0.98), ("sardinia", 1180.0, 1205.0, 8.15e6, 0.9673)],
 )
 def test_the_upscaled_hull_and_the_first_stage(site, anchor_radius, length, cost, share):
     upscaled, _ = design(site, UPSCALED, anchor_radius, length)
@@ -122,7 +157,16 @@ def test_one_plate_by_hand():
 
 def test_the_surfaces_of_a_hull_by_hand():
     """Two columns of 10 m on plates of 20 m by 5 m, 20 m deep, 10 m of freeboard."""
-    hull = Semisubmersible(column_diameter=10, radius=30, draft=20, columns=2, column_freeboard=10, plate_height=5, main_diameter=6, main_freeboard=8)
+    hull = Semisubmersible(
+        column_diameter=10,
+        radius=30,
+        draft=20,
+        columns=2,
+        column_freeboard=10,
+        plate_height=5,
+        main_diameter=6,
+        main_freeboard=8,
+    )
     areas = {p.name: p.area for p in hull_plating(hull)}
     assert areas["Side columns"] == pytest.approx(2 * (np.pi * 10 * 25 + np.pi * 25))
     assert areas["Heave plates"] == pytest.approx(2 * (np.pi * 20 * 5 + np.pi * 100 + np.pi * 75))
@@ -149,7 +193,9 @@ def test_prices_and_layout_are_inputs():
     base = total_cost(cost_items(plating, 0.0, 0.0, 0.0))
     steel = total_cost(cost_items(plating, 0.0, 0.0, 0.0, prices=Prices(steel=1.0)))
     assert steel - base == pytest.approx(0.5 * 7850 * 8)
-    assert weld_times(plating, PlateLayout(length=20, width=8)).welding == pytest.approx(weld_times(plating).welding / 2)
+    assert weld_times(plating, PlateLayout(length=20, width=8)).welding == pytest.approx(
+        weld_times(plating).welding / 2
+    )
 
 
 def test_what_cannot_be_built_is_refused():

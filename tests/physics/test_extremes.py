@@ -76,7 +76,10 @@ def test_channels_are_treated_at_once_and_a_steady_one_keeps_its_mean():
     assert upcrossing_rate(0.0, 0.0) == 0
 
 
-@pytest.mark.parametrize(("p", "words"), [([0.7, 0.7], "add up to 1.4"), ([-0.1, 0.5], "smallest is -0.1"), ([1e-9, 0.0], "do not come once")])
+@pytest.mark.parametrize(
+    ("p", "words"),
+    [([0.7, 0.7], "add up to 1.4"), ([-0.1, 0.5], "smallest is -0.1"), ([1e-9, 0.0], "do not come once")],
+)
 def test_probabilities_that_cannot_be_are_refused(p, words):
     with pytest.raises(ValueError, match=words):
         long_term_extreme([0.0, 0.0], [1.0, 1.0], [0.1, 0.1], p, 50.0)

@@ -1,4 +1,6 @@
-"""Fits of joint distributions: known parameters recovered, another code's fits, derivatives, and what cannot be fitted."""
+"""Fits of joint distributions: known parameters recovered, another code's fits, derivatives, and what cannot be
+fitted.
+"""
 
 import numpy as np
 import pytest
@@ -6,22 +8,47 @@ from scipy import stats
 
 from model.environment.contours import crest, reliability_index
 from model.environment.joint import (
-    HEIGHT, PERIOD, WIND, Dependence, JointModel, Variable, constant, family_log_density, family_score, parameters_at, sample, variable_from_normal,
-)  # fmt: skip
+    HEIGHT,
+    PERIOD,
+    WIND,
+    Dependence,
+    JointModel,
+    Variable,
+    constant,
+    family_log_density,
+    family_score,
+    parameters_at,
+    sample,
+    variable_from_normal,
+)
 from model.environment.metocean import VariableForm, bootstrap, fit_joint, fit_variable, goodness, interval, thesis_form
 
 HOURS = 27 * 8766  # the length of the thesis's Mediterranean records
-SARDINIA = JointModel(variables=(
-    Variable(name=WIND, family="weibull", parameters={"scale": constant(5.8091), "shape": constant(1.5587), "exponent": constant(1.4093)}),
-    Variable(name=HEIGHT, family="weibull", parameters={
-        "scale": Dependence(form="power", coefficients=(0.4702, 0.0319, 1.7488), given=WIND),
-        "shape": Dependence(form="power", coefficients=(1.5012, 0.0079, 2.0727), given=WIND),
-    }),
-    Variable(name=PERIOD, family="lognormal_variance", parameters={
-        "mean_log": Dependence(form="power", coefficients=(-54.6469, 56.1314, 0.0083), given=HEIGHT),
-        "variance_log": Dependence(form="exponential", coefficients=(0.0, 0.1018, -0.6182), given=HEIGHT),
-    }),
-))  # fmt: skip
+SARDINIA = JointModel(
+    variables=(
+        Variable(
+            name=WIND,
+            family="weibull",
+            parameters={"scale": constant(5.8091), "shape": constant(1.5587), "exponent": constant(1.4093)},
+        ),
+        Variable(
+            name=HEIGHT,
+            family="weibull",
+            parameters={
+                "scale": Dependence(form="power", coefficients=(0.4702, 0.0319, 1.7488), given=WIND),
+                "shape": Dependence(form="power", coefficients=(1.5012, 0.0079, 2.0727), given=WIND),
+            },
+        ),
+        Variable(
+            name=PERIOD,
+            family="lognormal_variance",
+            parameters={
+                "mean_log": Dependence(form="power", coefficients=(-54.6469, 56.1314, 0.0083), given=HEIGHT),
+                "variance_log": Dependence(form="exponential", coefficients=(0.0, 0.1018, -0.6182), given=HEIGHT),
+            },
+        ),
+    )
+)
 WEIBULL = thesis_form("two_parameter")[0]
 
 
@@ -37,7 +64,9 @@ def fitted(record):
 
 
 def test_27_years_of_hours_give_back_the_distribution_within_the_bootstrap(record, fitted):
-    """Parameters over the range of the data, not coefficients: of mu = -54.6 + 56.1 h^0.0083 only the sum is determined."""
+    """Parameters over the range of the data, not coefficients: of mu = -54.6 + 56.1 h^0.0083 only the sum is
+    determined.
+    """
     replicates = bootstrap(fitted, record, count=60, seed=1)
     at = {WIND: None, HEIGHT: np.array([2.0, 6.0, 12.0, 18.0]), PERIOD: np.array([0.3, 1.0, 3.0, 5.0])}
     for k, variable in enumerate(SARDINIA.variables):
@@ -45,7 +74,8 @@ def test_27_years_of_hours_give_back_the_distribution_within_the_bootstrap(recor
         found = [parameters_at(r.variables[k], at[variable.name]) for r in replicates]
         for name, value in true.items():
             low, high = interval([f[name] for f in found], 0.95)
-            # 19 values are compared: the 95 % interval is widened to twice its width, which is passed but once in 10 000
+            # 19 values are compared: the 95 % interval is widened to twice its width, which is passed but once in 10
+            # 000
             slack = (high - low) / 2
             assert np.all((value > low - slack) & (value < high + slack)), (variable.name, name)
 
@@ -97,12 +127,16 @@ def test_virocon_fits_the_same_wind(kind, ours, theirs, record):
     for name, value in zip(names, distribution.parameters.values(), strict=False):
         # both search numerically; theirs stops at a relative change of about 1e-4
         assert float(found.parameters[name]()) == pytest.approx(float(value), rel=1e-3)
-    assert float(variable_from_normal(found, 4.5)) == pytest.approx(float(distribution.icdf(stats.norm.cdf(4.5))), rel=1e-3)
+    assert float(variable_from_normal(found, 4.5)) == pytest.approx(
+        float(distribution.icdf(stats.norm.cdf(4.5))), rel=1e-3
+    )
 
 
 def test_scipy_fits_the_same_three_parameter_weibull():
     x = 2.0 + stats.weibull_min(2.6, scale=3.0).rvs(20000, random_state=3)
-    form = VariableForm(name=HEIGHT, family="weibull", forms={"scale": "constant", "shape": "constant", "location": "constant"})
+    form = VariableForm(
+        name=HEIGHT, family="weibull", forms={"scale": "constant", "shape": "constant", "location": "constant"}
+    )
     found = {p: float(d()) for p, d in fit_variable(form, x).variable.parameters.items()}
     theirs = dict(zip(("shape", "location", "scale"), stats.weibull_min.fit(x, 2.6, loc=2.0, scale=3.0), strict=True))
     for name, value in theirs.items():
@@ -113,7 +147,9 @@ def test_scipy_fits_the_same_three_parameter_weibull():
 
 def test_fixed_coefficients_stay_and_least_squares_follow_the_classes(record):
     forms = thesis_form("two_parameter")
-    height = VariableForm(name=HEIGHT, family="weibull", forms=forms[1].forms, given=WIND, fixed={("scale", 2): 1.7488, ("shape", 0): 1.5})
+    height = VariableForm(
+        name=HEIGHT, family="weibull", forms=forms[1].forms, given=WIND, fixed={("scale", 2): 1.7488, ("shape", 0): 1.5}
+    )
     for method in ("likelihood", "least_squares"):
         found = fit_variable(height, record[HEIGHT], record[WIND], method).variable
         assert found.parameters["scale"].coefficients[2] == 1.7488
@@ -123,16 +159,32 @@ def test_fixed_coefficients_stay_and_least_squares_follow_the_classes(record):
         assert float(found.parameters["scale"](10.0)) == pytest.approx(float(true), rel=0.01)
 
 
-@pytest.mark.parametrize(("family", "names"), [
-    ("weibull", ("scale", "shape", "exponent")), ("weibull", ("scale", "shape", "location")), ("weibull", ("scale", "shape")),
-    ("lognormal", ("mean_log", "std_log")), ("lognormal_variance", ("mean_log", "variance_log")),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("family", "names"),
+    [
+        ("weibull", ("scale", "shape", "exponent")),
+        ("weibull", ("scale", "shape", "location")),
+        ("weibull", ("scale", "shape")),
+        ("lognormal", ("mean_log", "std_log")),
+        ("lognormal_variance", ("mean_log", "variance_log")),
+    ],
+)
 def test_the_derivatives_of_the_likelihood_are_those_of_the_likelihood(family, names):
-    values = {"scale": 2.1, "shape": 1.7, "exponent": 1.4, "location": 0.2, "mean_log": 0.6, "std_log": 0.3, "variance_log": 0.09}
+    values = {
+        "scale": 2.1,
+        "shape": 1.7,
+        "exponent": 1.4,
+        "location": 0.2,
+        "mean_log": 0.6,
+        "std_log": 0.3,
+        "variance_log": 0.09,
+    }
     p, x, h = {n: values[n] for n in names}, np.array([0.3, 1.0, 2.5, 6.0]), 1e-6
     for name, score in family_score(family, x, p).items():
         ends = [family_log_density(family, x, p | {name: p[name] + s * h}) for s in (1, -1)]
-        assert np.broadcast_to(score, x.shape) == pytest.approx((ends[0] - ends[1]) / (2 * h), rel=1e-6, abs=1e-8)  # h^2 and rounding / h
+        assert np.broadcast_to(score, x.shape) == pytest.approx(
+            (ends[0] - ends[1]) / (2 * h), rel=1e-6, abs=1e-8
+        )  # h^2 and rounding / h
 
 
 def test_a_record_with_dependent_hours_has_wider_intervals():
@@ -140,15 +192,21 @@ def test_a_record_with_dependent_hours_has_wider_intervals():
     days = stats.weibull_min(2.0, scale=8.0).rvs(2000, random_state=5)
     x = {WIND: np.repeat(days, 24)}
     fit = fit_joint(x, [WEIBULL])
-    width = [np.ptp(interval([float(r.variables[0].parameters["scale"]()) for r in bootstrap(fit, x, 400, block)])) for block in (1, 24)]
+    width = [
+        np.ptp(interval([float(r.variables[0].parameters["scale"]()) for r in bootstrap(fit, x, 400, block)]))
+        for block in (1, 24)
+    ]
     assert width[1] / width[0] == pytest.approx(np.sqrt(24), rel=0.15)  # 400 replicates know a 95 % width to 5 %, twice
 
 
-@pytest.mark.parametrize(("values", "words"), [
-    (np.r_[np.ones(50), -1.0, np.nan], "1 values are not finite and 1 are negative"),
-    (np.full(50, 3.0), "constant column"),
-    (np.ones(3), "too few"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        (np.r_[np.ones(50), -1.0, np.nan], "1 values are not finite and 1 are negative"),
+        (np.full(50, 3.0), "constant column"),
+        (np.ones(3), "too few"),
+    ],
+)
 def test_what_cannot_be_fitted_is_refused(values, words):
     with pytest.raises(ValueError, match=words):
         fit_variable(WEIBULL, values)

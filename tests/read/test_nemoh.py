@@ -64,7 +64,7 @@ def test_phases_in_the_file_are_those_of_minus_i_omega_t(folder):
 
 def test_several_bodies_are_chosen_or_refused(tmp_path):
     run = write_nemoh(tmp_path / "run", synthetic(), centre=CENTRE, bodies=2)
-    with pytest.raises(FormatError, match="one body.*2: 1, 2.*body="):
+    with pytest.raises(FormatError, match=r"one body.*2: 1, 2.*body="):
         read_nemoh(run)
     for body in (1, 2):
         assert_equal(read_nemoh(run, body=body), synthetic(), SEVEN, FIELDS)

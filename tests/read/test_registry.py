@@ -20,6 +20,8 @@ from fowtio.read.registry import INTERNAL, Format
 
 FOLDER = Path(fowtio.read.__file__).parent
 MODULES = sorted(p.stem for p in FOLDER.glob("*.py") if p.stem != "__init__")
+
+
 @pytest.fixture(scope="module")
 def sample_files(tmp_path_factory):
     return every_format(tmp_path_factory.mktemp("formats"))
@@ -196,7 +198,13 @@ def test_every_bad_line_is_named(tmp_path):
 
 def test_every_body_is_inspected(tmp_path):
     path = tmp_path / "two.1"
-    rows = [f" {t} {i + 6 * b} {j + 6 * b} {1.0 * (i == j)} 0.1" for t in (5.0, 9.0) for b in (0, 1) for i in range(1, 7) for j in range(1, 7)]
+    rows = [
+        f" {t} {i + 6 * b} {j + 6 * b} {1.0 * (i == j)} 0.1"
+        for t in (5.0, 9.0)
+        for b in (0, 1)
+        for i in range(1, 7)
+        for j in range(1, 7)
+    ]
     path.write_text("\n".join(rows) + "\n")
     found = inspect_file(path)
     labels = [label for label, _ in found.rows]

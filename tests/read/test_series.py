@@ -86,7 +86,7 @@ def test_out_csv_and_netcdf_to_and_fro(tmp_path):
     assert netcdf.description == want.description
     for path in tmp_path.iterdir():
         assert isinstance(read_any(path), TimeSeries), path
-    assert series_problems(csv) == ["1 channels without a unit: none"]
+    assert series_problems(csv) == ["1 channel without a unit: none"]
 
 
 def test_a_title_that_begins_with_time_is_no_heading(tmp_path):
@@ -136,7 +136,7 @@ def test_damaged_netcdf(tmp_path):
             read_series_netcdf(put(path, content[:size]))
 
 
-METOCEAN = """time,wind speed (knots),Hs (m),Tp (s),wave direction from (deg),wind std (m/s)
+METOCEAN = """time,wind speed (knots),Hs (m),Tp (s),wave direction from (deg),sigma (m/s)
 2020-01-01 02:00,20,1.5,9,90,1.1
 2020-01-01 00:00,10,-999,8,350,1.2
 2020-01-01 01:00,NA,1.2,8.5,10,1.3

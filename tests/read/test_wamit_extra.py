@@ -198,7 +198,7 @@ def test_out(tmp_path, centre, length, excitation):
 def test_out_of_several_bodies(tmp_path):
     want = synthetic()
     path = put(tmp_path / "a.out", out_text(want, bodies=2))
-    with pytest.raises(FormatError, match="one body.*2: 1, 2.*body="):
+    with pytest.raises(FormatError, match=r"one body.*2: 1, 2.*body="):
         read_wamit_out(path)
     for body in (1, 2):
         assert_equal(read_wamit_out(path, body=body), want, 1e-6, hydrostatic_stiffness=1e-4, **DEGREE)

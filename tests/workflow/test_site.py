@@ -28,10 +28,14 @@ def run(*arguments):
 def record(tmp_path_factory):
     """Three years of hours drawn from Sardinia's distribution, as a clean CSV file."""
     x = sample(load_site("sardinia").model, HOURS, np.random.default_rng(3))
-    frame = pd.DataFrame({
-        "time": pd.date_range("2001-01-01", periods=HOURS, freq="h"), "wind speed (m/s)": x[:, 0].round(3), "Hs (m)": x[:, 1].round(3),
-        "Tp (s)": np.maximum(x[:, 2], 0.6).round(3),
-    })  # fmt: skip
+    frame = pd.DataFrame(
+        {
+            "time": pd.date_range("2001-01-01", periods=HOURS, freq="h"),
+            "wind speed (m/s)": x[:, 0].round(3),
+            "Hs (m)": x[:, 1].round(3),
+            "Tp (s)": np.maximum(x[:, 2], 0.6).round(3),
+        }
+    )
     path = tmp_path_factory.mktemp("record") / "record.csv"
     frame.to_csv(path, index=False)
     return path
@@ -44,7 +48,9 @@ def test_the_sites_of_the_thesis_ship_and_survive_a_round_trip(name, tmp_path):
     again = load_site(write_site(site, tmp_path / "copy.site"))
     assert site_text(again) == site_text(site)
     for a, b in zip(site.model.variables, again.model.variables, strict=True):
-        assert {p: d.coefficients for p, d in a.parameters.items()} == {p: d.coefficients for p, d in b.parameters.items()}
+        assert {p: d.coefficients for p, d in a.parameters.items()} == {
+            p: d.coefficients for p, d in b.parameters.items()
+        }
     assert name in shipped_sites()
 
 
@@ -80,7 +86,15 @@ def test_a_record_is_fitted_reported_and_kept(record, tmp_path):
     kept = load_site(out / "record.site")
     assert kept.depth == 370
     names = {p.name for p in out.rglob("*")}
-    assert {"contour.html", "contour.xlsx", "isolines_plan.png", "isolines_panels.svg", "contour_surface.png", "fit_qq.png", "fit_marginals.png"} <= names
+    assert {
+        "contour.html",
+        "contour.xlsx",
+        "isolines_plan.png",
+        "isolines_panels.svg",
+        "contour_surface.png",
+        "fit_qq.png",
+        "fit_marginals.png",
+    } <= names
     text = (out / "contour.html").read_text()
     assert "<svg" in text
     assert "src=" not in text  # nothing outside the file
@@ -89,11 +103,15 @@ def test_a_record_is_fitted_reported_and_kept(record, tmp_path):
 def test_least_squares_agree_with_likelihood_on_good_data(record):
     heights = []
     for method in ("likelihood", "least_squares"):
-        site, fit, states, source = open_site(record, hub_height=119.0, depth=370.0, wind="two_parameter", method=method)
+        site, fit, states, source = open_site(
+            record, hub_height=119.0, depth=370.0, wind="two_parameter", method=method
+        )
         study = contour_study(site, 50.0, [11.0], fit=fit, states=states, record=source, replicates=10)
         heights.append(study.isolines[0].max_hs[1])
         assert (study.isolines[0].max_hs_interval is None) == (method == "least_squares")
-    assert heights[1] == pytest.approx(heights[0], rel=0.05)  # classes and quantile weights against likelihood, three years
+    assert heights[1] == pytest.approx(
+        heights[0], rel=0.05
+    )  # classes and quantile weights against likelihood, three years
 
 
 def test_a_bad_record_is_counted_and_never_used(record, tmp_path):
@@ -108,7 +126,12 @@ def test_a_bad_record_is_counted_and_never_used(record, tmp_path):
     found = read_metocean(path)
     site, fit, states = site_of_record(found, hub_height=119.0, depth=370.0, wind="two_parameter")
     text = describe_report(site.report)
-    for words in ("10 significant height out of range", "3 peak period sentinels", "10 duplicated rows", "gaps of 336 steps"):
+    for words in (
+        "10 significant height out of range",
+        "3 peak period sentinels",
+        "10 duplicated rows",
+        "gaps of 336 steps",
+    ):
         assert words in text
     assert fit.count == HOURS - 14 * 24 - 13
     assert states[HEIGHT].min() >= 0
@@ -145,14 +168,23 @@ def test_constant_and_short_records_are_refused(record, tmp_path):
 
 def test_problems_of_a_site_file_are_all_reported_with_their_lines(tmp_path):
     text = site_text(load_site("sardinia"))
-    text = text.replace("CutIn ", "CutInn").replace("weibull             scale", "weibul              scale", 1).replace("0.1018 ", "abc    ")
+    text = (
+        text.replace("CutIn ", "CutInn")
+        .replace("weibull             scale", "weibul              scale", 1)
+        .replace("0.1018 ", "abc    ")
+    )
     text = text.replace("370          WaterDepth", "-3           WaterDepth")
     path = tmp_path / "wrong.site"
     path.write_text(text)
     with pytest.raises(CaseError) as caught:
         load_site(path)
     message = str(caught.value)
-    for words in ("unknown name CutInn; did you mean CutIn?", "did you mean weibull?", "C2 is 'abc'", "WaterDepth is -3"):
+    for words in (
+        "unknown name CutInn; did you mean CutIn?",
+        "did you mean weibull?",
+        "C2 is 'abc'",
+        "WaterDepth is -3",
+    ):
         assert words in message
     assert message.count("line ") >= 4
     with pytest.raises(FormatError, match="Did you mean sardinia"):
@@ -163,7 +195,10 @@ def test_problems_of_a_site_file_are_all_reported_with_their_lines(tmp_path):
 
 
 def test_a_contour_that_cannot_be_is_refused():
-    for arguments, words in ((("--return-period", 0), "more than two states"), (("--speed", 80), "none of the wind speeds")):
+    for arguments, words in (
+        (("--return-period", 0), "more than two states"),
+        (("--speed", 80), "none of the wind speeds"),
+    ):
         result = run("contour", "sardinia", *arguments)
         assert result.exit_code != 0
         assert words in str(result.exception)
@@ -189,15 +224,21 @@ def test_prices_of_a_cost_file_are_inputs_and_its_problems_are_reported(tmp_path
     for a, b in zip(plain.designs, dear.designs, strict=True):
         assert b.total - a.total == pytest.approx(0.5 * sum(p.mass for p in a.plating))
     assert ranking(plain) == ranking(dear)
-    path.write_text(
-        source.replace("PriceSteel ", "PriceStell ").replace('"drag" ', '"drg"  ').replace("-3 ", "-3 ")
-    )
+    path.write_text(source.replace("PriceSteel ", "PriceStell ").replace('"drag" ', '"drg"  '))
     with pytest.raises(CaseError, match="did you mean PriceSteel") as caught:
         cost_study(path)
     assert "did you mean drag" in str(caught.value)
-    path.write_text(source.replace("15.0            44.5    20.5   780           780", "15.0            44.5    20.5   780           950"))
+    path.write_text(
+        source.replace(
+            "15.0            44.5    20.5   780           780", "15.0            44.5    20.5   780           950"
+        )
+    )
     slack = {d.name: d for d in cost_study(path).designs}["3"]
     assert slack.spread.offset > 100  # 170 m more line: a slack one
-    path.write_text(source.replace("14.0            44.5    24.5   730           730", "14.0            44.5    24.5   730           640"))
+    path.write_text(
+        source.replace(
+            "14.0            44.5    24.5   730           730", "14.0            44.5    24.5   730           640"
+        )
+    )
     with pytest.raises(CaseError, match=r"design '1': (lines|the line pulls)"):
         cost_study(path)
