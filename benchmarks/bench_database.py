@@ -49,7 +49,9 @@ def main() -> None:
         start = time.perf_counter()
         interpolate(database, designs, omega, heading, depth=200.0)
         times.append(time.perf_counter() - start)
-    print(f"{args.hulls} hulls, {args.frequencies} frequencies, {args.headings} headings: first {times[0]:.3f} s, then {min(times[1:]):.3f} s")
+    print(
+        f"{args.hulls} hulls, {args.frequencies} frequencies, {args.headings} headings: first {times[0]:.3f} s, then {min(times[1:]):.3f} s"
+    )
 
 
 if __name__ == "__main__":

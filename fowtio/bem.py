@@ -1,7 +1,7 @@
 """Hydrodynamic coefficients of a hull by the boundary-element method, with Capytaine (the extra `bem`).
 
-Linear potential flow: radiation and diffraction by constant panels. The error of constant flat panels is of order h to h^1.4
-in the panel size h, so the coefficients of two meshes, one with half the panel sides of the other, are extrapolated.
+Linear potential flow: radiation and diffraction by constant panels. The error of constant flat panels is of order
+1.0 to 1.4 in their size, so the coefficients of two meshes, one with half the panel sides of the other, are extrapolated.
 """
 
 from __future__ import annotations
@@ -126,7 +126,9 @@ def _radiation_and_diffraction(body, waves, omega, depth, settings, solver):
 def _wavenumber(omega: float, depth: float, gravity: float) -> float:
     from model.environment.airy import wavenumber
 
-    return omega**2 / gravity if np.isinf(depth) else float(np.asarray(wavenumber(np.array([omega]), depth, gravity))[0])
+    return (
+        omega**2 / gravity if np.isinf(depth) else float(np.asarray(wavenumber(np.array([omega]), depth, gravity))[0])
+    )
 
 
 def _motion(body, dof: str) -> np.ndarray:

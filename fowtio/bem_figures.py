@@ -63,7 +63,10 @@ def draw_system(design, path: str | Path, *, wind_speed: float = 0.0) -> Path:
         axes.set_ylabel("y (m)", labelpad=4)
         axes.tick_params(labelsize=7, pad=0)
     figure.subplots_adjust(left=0.0, right=0.94, bottom=0.03, top=0.92, wspace=0.12)
-    figure.suptitle(f"column {float(hull.diameter):g} m, radius {float(hull.radius):g} m, draft {float(hull.draft):g} m, depth {design.depth:g} m", fontsize=10)
+    figure.suptitle(
+        f"column {float(hull.diameter):g} m, radius {float(hull.radius):g} m, draft {float(hull.draft):g} m, depth {design.depth:g} m",
+        fontsize=10,
+    )
     return _saved(figure, path)
 
 
@@ -79,7 +82,12 @@ def _hull_panels(hull) -> np.ndarray:
     r, plate, keel = float(hull.diameter) / 2, float(hull.plate_diameter) / 2, -float(hull.draft)
     top, deck, shelf = float(hull.column_freeboard), float(hull.central_freeboard), keel + float(hull.plate_height)
     column = [(0.0, top), (r, top), (r, shelf), (plate, shelf), (plate, keel), (0.0, keel)]
-    middle = [(0.0, deck), (float(hull.central_diameter) / 2, deck), (float(hull.central_diameter) / 2, keel), (0.0, keel)]
+    middle = [
+        (0.0, deck),
+        (float(hull.central_diameter) / 2, deck),
+        (float(hull.central_diameter) / 2, keel),
+        (0.0, keel),
+    ]
     parts = [revolved(middle, 6.0, 18)]
     parts += [revolved(column, 6.0, 28, centre=float(hull.radius) * np.array([np.cos(a), np.sin(a)])) for a in AZIMUTHS]
     return np.concatenate(parts)
@@ -100,13 +108,32 @@ def draw_check(found: list[dict], folder: Path) -> Path:
     """Draw solved and interpolated coefficients of held-out hulls into a folder; return the picture's path."""
     plt = _plt()
     folder.mkdir(parents=True, exist_ok=True)
-    names = (("A11", 0, 0), ("A33", 0, 1), ("A55", 0, 2), ("B11", 1, 0), ("B33", 1, 1), ("B55", 1, 2), ("|X1|", 2, 0), ("|X3|", 2, 2), ("|X5|", 2, 4))
+    names = (
+        ("A11", 0, 0),
+        ("A33", 0, 1),
+        ("A55", 0, 2),
+        ("B11", 1, 0),
+        ("B33", 1, 1),
+        ("B55", 1, 2),
+        ("|X1|", 2, 0),
+        ("|X3|", 2, 2),
+        ("|X5|", 2, 4),
+    )
     figure, grid = plt.subplots(3, 3, figsize=(11, 8), sharex=True, constrained_layout=True)
     for axes, (name, part, k) in zip(grid.ravel(), names, strict=True):
         for number, row in enumerate(found[:4]):
-            solved, guessed = (np.abs(row["curves"][w][part][:, 0, k]) if part == 2 else row["curves"][w][part][:, k] for w in ("solved", "interpolated"))
+            solved, guessed = (
+                np.abs(row["curves"][w][part][:, 0, k]) if part == 2 else row["curves"][w][part][:, k]
+                for w in ("solved", "interpolated")
+            )
             colour = f"C{number}"
-            axes.plot(row["omega"], guessed, color=colour, lw=1.2, label="d {:.1f}, r {:.1f}, draft {:.1f} m".format(*row["hull"]))
+            axes.plot(
+                row["omega"],
+                guessed,
+                color=colour,
+                lw=1.2,
+                label="d {:.1f}, r {:.1f}, draft {:.1f} m".format(*row["hull"]),
+            )
             axes.plot(row["omega"], solved, ".", color=colour, ms=3.5)
         axes.set_title(name, fontsize=9)
         axes.tick_params(labelsize=7)
@@ -147,7 +174,10 @@ def draw_mesh(hull, path: str | Path) -> Path:
     axes = figure.add_subplot(projection="3d", proj_type="ortho")
     axes.add_collection3d(Poly3DCollection(panels, facecolors="#d8c46a", edgecolors="#6b6130", linewidths=0.2))
     low, high = panels.reshape(-1, 3).min(axis=0), panels.reshape(-1, 3).max(axis=0)
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]), title=hull.title)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_title(hull.title, fontsize=9)
+    axes.tick_params(labelsize=7)
+    axes.locator_params(axis="z", nbins=4)
     axes.set_box_aspect(high - low)
     return _saved(figure, path)
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from fowtio.bem_run import HullFile, closed_form
 from fowtio.database import DIMENSIONS, database_plan, embedded_path, held_out, read_database
-from fowtio.errors import ModelError
-from fowtio.hull_system import SemiDesign, semi_hydro, thesis_hull
+from fowtio.hull_system import SemiDesign, thesis_hull
 from fowtio.hull_turbine import ten_megawatt
 from model.system.hydro import HydroCoefficients
 from model.system.mooring import mooring_state
@@ -62,7 +61,13 @@ def check_database(path=None, *, hulls: int, seed: int, depth: float, jobs: int,
         if np.isfinite(depth):
             for name in ("added_mass", "radiation_damping", "excitation"):
                 row[f"{name}_depth"] = shallow[k][name]
-        row["worst"] = float(max(np.max(v) for n, v in row.items() if n.split("_depth")[0] in ("added_mass", "radiation_damping", "excitation", "rao")))
+        row["worst"] = float(
+            max(
+                np.max(v)
+                for n, v in row.items()
+                if n.split("_depth")[0] in ("added_mass", "radiation_damping", "excitation", "rao")
+            )
+        )
     if out is not None:
         from fowtio.bem_figures import draw_check
 
@@ -76,7 +81,10 @@ def rao_errors(database, plan, row: dict) -> np.ndarray:
     """
     curves, omega = row["curves"], row["omega"]
     pick = (omega > 2 * np.pi / 60) & (omega < 2 * np.pi / 4)
-    raos = [np.abs(_rao(database, row, *(c[pick] for c in curves[kind]), omega[pick])) for kind in ("solved", "interpolated")]
+    raos = [
+        np.abs(_rao(database, row, *(c[pick] for c in curves[kind]), omega[pick]))
+        for kind in ("solved", "interpolated")
+    ]
     return np.abs(raos[1].max(axis=0) / raos[0].max(axis=0) - 1)
 
 
@@ -94,7 +102,9 @@ def _rao(database, row, added, damping, force, omega) -> np.ndarray:
     total = mass + full_matrix(added)
     keep = [0, 2, 4]
     extra = 0.05 * 2 * np.sqrt(np.abs(np.diag(stiffness)[keep] * np.diag(total[len(total) // 2])[keep]))
-    matrix = (-(omega[:, None, None] ** 2) * total + 1j * omega[:, None, None] * full_matrix(damping) + stiffness)[:, keep][:, :, keep]
+    matrix = (-(omega[:, None, None] ** 2) * total + 1j * omega[:, None, None] * full_matrix(damping) + stiffness)[
+        :, keep
+    ][:, :, keep]
     matrix = matrix + 1j * omega[:, None, None] * np.diag(extra)
     return np.linalg.solve(matrix, force[:, 0, keep, None])[..., 0]
 
@@ -138,7 +148,10 @@ def info_rows(path=None) -> list[tuple[str, str]]:
     database = read_database(path)
     with xr.open_dataset(path, engine="h5netcdf") as file:
         solver, mark = file.attrs["solver"], file.attrs["checksum"]
-    spans = [(n, f"{getattr(database, n)[0]:g} to {getattr(database, n)[-1]:g} m, {len(getattr(database, n))} points") for n in DIMENSIONS]
+    spans = [
+        (n, f"{getattr(database, n)[0]:g} to {getattr(database, n)[-1]:g} m, {len(getattr(database, n))} points")
+        for n in DIMENSIONS
+    ]
     with np.errstate(divide="ignore"):
         depths = ", ".join(f"{1 / h:g} m" if h else "deep" for h in database.inverse_depth)
     s = database.scaled_frequency[-1]
@@ -164,6 +177,3 @@ def semi_rows(design: SemiDesign) -> list[tuple[str, str, float, str]]:
         ("mooring_pull", "pull of the lines downwards", -state.force[2], "N"),
     ]  # fmt: skip
     return [(key, label, float(value), unit) for key, label, value, unit in rows]
-
-
-__all__ = ["ModelError", "bem_json", "bem_rows", "check_database", "check_json", "check_rows", "info_rows", "random_hulls", "semi_hydro", "semi_rows"]

@@ -9,14 +9,14 @@ import hashlib
 import json
 import os
 import tomllib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from fowtio.bem import BemSettings, capytaine_body, extrapolated, load_capytaine, solve_frequency
 from fowtio.errors import FormatError, ModelError
-from fowtio.hull_mesh import HullMesh, area_vectors, volume, whole
+from fowtio.hull_mesh import HullMesh, whole
 from fowtio.hulls import barge_mesh, semi_braces, semi_mesh, spar_mesh, tlp_mesh
 from fowtio.write.hydro import write_capytaine, write_wamit
 from model.design.hull import SemiHull
@@ -87,12 +87,17 @@ def hull_meshes(hull: HullFile) -> list[HullMesh]:
             "plate_diameter": float(semi.plate_diameter), "plate_thickness": float(semi.plate_height),
             "central_diameter": float(semi.central_diameter), "members": members, "size": size, "around": around,
         }  # fmt: skip
-        return [semi_mesh(float(semi.diameter), float(semi.radius), float(semi.draft), refine=k, **common) for k in (1, 2)]
+        return [
+            semi_mesh(float(semi.diameter), float(semi.radius), float(semi.draft), refine=k, **common) for k in (1, 2)
+        ]
     if hull.kind == "spar":
         return [spar_mesh(hull.shape["profile"], size=size, around=around, refine=k) for k in (1, 2)]
     if hull.kind == "barge":
         s = hull.shape
-        return [barge_mesh(s["length"], s["width"], s["draft"], moonpool=s.get("moonpool", 0.0), size=size, refine=k) for k in (1, 2)]
+        return [
+            barge_mesh(s["length"], s["width"], s["draft"], moonpool=s.get("moonpool", 0.0), size=size, refine=k)
+            for k in (1, 2)
+        ]
     return [tlp_mesh(**hull.shape, size=size, around=around, refine=k) for k in (1, 2)]
 
 
@@ -102,7 +107,9 @@ def file_mesh(path: Path, scale: float = 1.0) -> HullMesh:
     try:
         mesh = cpt.load_mesh(str(path))
     except Exception as error:
-        raise FormatError(path, expected="a mesh that Capytaine reads", found=f"{type(error).__name__}: {error}") from None
+        raise FormatError(
+            path, expected="a mesh that Capytaine reads", found=f"{type(error).__name__}: {error}"
+        ) from None
     mesh = mesh.merged() if hasattr(mesh, "merged") else mesh
     wet = mesh.immersed_part()
     lid = wet.generate_lid()
@@ -128,7 +135,10 @@ def hydrostatics(mesh: HullMesh, density: float, gravity: float) -> tuple[np.nda
     x, y, z = (middle[..., k] for k in range(3))
     size = integral(-z)
     centre = np.array([integral(-x * z), integral(-y * z), integral(-(z**2) / 2)]) / size
-    waterplane = {name: integral(v) for name, v in (("1", np.ones_like(x)), ("x", x), ("y", y), ("xx", x * x), ("xy", x * y), ("yy", y * y))}
+    waterplane = {
+        name: integral(v)
+        for name, v in (("1", np.ones_like(x)), ("x", x), ("y", y), ("xx", x * x), ("xy", x * y), ("yy", y * y))
+    }
     out = np.zeros((6, 6))
     out[2, 2], out[2, 3], out[2, 4] = waterplane["1"], waterplane["y"], -waterplane["x"]
     out[3, 3], out[4, 4] = waterplane["yy"] + size * centre[2], waterplane["xx"] + size * centre[2]
@@ -201,7 +211,9 @@ def _same_hull(hull: HullFile, solved: Path) -> None:
         text += hashlib.sha256((hull.path.parent / hull.shape["file"]).read_bytes()).hexdigest()
     mark = solved / "hull.json"
     if mark.exists() and mark.read_text(encoding="utf-8") != text:
-        raise ModelError(f"{solved} holds solutions of another hull or other settings; give another folder (-o) or remove it")
+        raise ModelError(
+            f"{solved} holds solutions of another hull or other settings; give another folder (-o) or remove it"
+        )
     mark.write_text(text, encoding="utf-8")
 
 
@@ -232,7 +244,10 @@ def gather(hull: HullFile, solved: Path) -> tuple[HydroCoefficients, dict]:
     if len(meshes) == 2:
         quality["mesh_change"] = {
             f"A{k + 1}{k + 1}": [float(v[-1, k, k]) for v in all_added] + [float(added[-1, k, k])] for k in range(6)
-        } | {f"B{k + 1}{k + 1}": [float(v[:, k, k].max()) for v in all_damping] + [float(damping[:, k, k].max())] for k in range(6)}
+        } | {
+            f"B{k + 1}{k + 1}": [float(v[:, k, k].max()) for v in all_damping] + [float(damping[:, k, k].max())]
+            for k in range(6)
+        }
     return hydro, quality
 
 
@@ -258,8 +273,7 @@ def write_results(hull: HullFile, hydro: HydroCoefficients, folder: str | Path) 
     """Write netCDF and WAMIT files (.1, .3, .hst for OpenFAST) of a solved hull into a folder."""
     folder = Path(folder)
     stem = folder / hull.path.stem
-    lean = replace(hydro, hydrostatic_stiffness=hydro.hydrostatic_stiffness)
-    return [write_capytaine(lean, stem.with_suffix(".nc"), body_name=hull.path.stem), *write_wamit(lean, stem)]
+    return [write_capytaine(hydro, stem.with_suffix(".nc"), body_name=hull.path.stem), *write_wamit(hydro, stem)]
 
 
 def closed_form(hull: HullFile) -> dict[str, float]:
@@ -276,7 +290,11 @@ def closed_form(hull: HullFile) -> dict[str, float]:
         for (r1, z1), (r2, z2) in zip(s["profile"][:-1], s["profile"][1:], strict=True):
             part = np.pi * (z1 - z2) * (r1**2 + r1 * r2 + r2**2) / 3
             size += part
-            moment_z += np.pi * (z1 - z2) * ((z1 * (3 * r1**2 + 2 * r1 * r2 + r2**2) + z2 * (r1**2 + 2 * r1 * r2 + 3 * r2**2)) / 12)
+            moment_z += (
+                np.pi
+                * (z1 - z2)
+                * ((z1 * (3 * r1**2 + 2 * r1 * r2 + r2**2) + z2 * (r1**2 + 2 * r1 * r2 + 3 * r2**2)) / 12)
+            )
         height, radius = moment_z / size, s["profile"][0][0]
         area, moment = np.pi * radius**2, np.pi * radius**4 / 4
     elif hull.kind == "semi":
@@ -287,9 +305,3 @@ def closed_form(hull: HullFile) -> dict[str, float]:
     else:
         return {}
     return {"volume": float(size), "C33": float(weight * area), "C55": float(weight * (moment + size * height))}
-
-
-__all__ = [
-    "HullFile", "area_vectors", "bem_settings", "closed_form", "file_mesh", "frequencies", "gather", "hull_meshes", "hydrostatics",
-    "read_hull", "run_bem", "solve_one", "volume", "write_results",
-]  # fmt: skip

@@ -108,7 +108,7 @@ _OPTIONS = {
     "Duration": ("duration", float),
 }  # fmt: skip
 _EXTRAS = ("TowerSections", "ModalTowerLoads", "AnchorTensions", "AirGapPoints", "DirectLin")
-_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "NRef", *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
+_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", *TABLES, *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
 _COLUMNS = ("WindSpeed", "LinFiles", "LinDeck", "MassMatrix", "Name", "Turbulence", "Spectrum", "State", "RefFiles", "(m/s)", "(-)")
 
 

@@ -115,27 +115,28 @@ def modes(
 def validate(
     case: CASE, out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
     quadratic: Annotated[bool, typer.Option(help="also solve with quadratic drag itself on every record")] = True,
+    figures: Annotated[bool, typer.Option(help="draw figures")] = True,
 ) -> None:  # fmt: skip
-    """Compare RAOs and standard deviations with the reference time series that the study names."""
+    """Compare with the reference time series that the study names: RAOs, spectra, means, decay tests; report and workbook."""
     from fowtio import report_data, terminal
     from fowtio.case import load
     from fowtio.errors import CaseError, Problem
-    from fowtio.validation import validate as compare
-    from fowtio.validation import write_validation
+    from fowtio.validation import validate_study, write_validation
     from fowtio.workflow import build
 
     study = load(case)
-    if not study.references:
+    if not study.references and not study.decays:
         raise CaseError([Problem("the study names no reference time series (table NRef)", case)])
     with terminal.Progress(quiet=quiet or json) as say:
         model = build(study, progress=say)
-        found = [compare(model, reference, nonlinear=quadratic, progress=say) for reference in study.references]
-        files = write_validation(found, out or Path("results") / f"{case.stem}_validation", progress=say)
+        found, decays = validate_study(model, nonlinear=quadratic, progress=say)
+        folder = out or Path("results") / f"{case.stem}_validation"
+        files = write_validation(found, folder, model=model, decays=decays, figures=figures, progress=say)
     if json:
-        _print_json(report_data.validation_json(found, files))
+        _print_json(report_data.validation_json(found, files, decays))
     elif not quiet:
-        terminal.show_validation(found, files)
-    if not all(v.passed for v in found):
+        terminal.show_validation(found, files, decays)
+    if not all(v.passed for v in (*found, *decays)):
         raise typer.Exit(EXIT_CHECK)
 
 
@@ -445,6 +446,41 @@ def cost(
         _print_json(site_report.cost_json(study, files))
     elif not quiet:
         site_report.show_cost(study, files)
+
+
+@app.command()
+def fmu(
+    case: CASE,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="FMU to write; by default named after the study", show_default=False)] = None,
+    state: Annotated[str | None, typer.Option(help="state whose operating point and drag are taken; by default the first", show_default=False)] = None,
+    fmi: Annotated[str, typer.Option(help="FMI version: 2, 3 or both")] = "2",
+    inputs: Annotated[str, typer.Option(help="groups of inputs, by commas: elevation, wave_force, sea, wind, turbulence, platform_force, tower_force; or all")] = "all",
+    order: Annotated[int | None, typer.Option(help="states to keep by balanced reduction; by default all", show_default=False)] = None,
+    platform: Annotated[str, typer.Option(help="linux64 or win64")] = "linux64",
+    check: Annotated[bool, typer.Option("--check", help="validate the FMU and compare it with the frequency-domain model")] = False,
+    json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Export the linear model about one state as an FMU for co-simulation and model exchange."""
+    from fowtio.fmu import command
+
+    command.export(case, out, state, fmi, inputs, order, platform, check, _print_json if json else None, quiet, EXIT_CHECK)
+
+
+@app.command()
+def simulate(
+    path: Annotated[Path, typer.Argument(help="an FMU", show_default=False)],
+    out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+    elevation: Annotated[Path | None, typer.Option(help="OpenFAST .outb or .out whose Wave1Elev drives the FMU; its channels are compared", show_default=False)] = None,
+    duration: Annotated[float | None, typer.Option(help="s; by default 600, or the record's", show_default=False)] = None,
+    step: Annotated[float | None, typer.Option(help="s; by default 0.1", show_default=False)] = None,
+    discard: Annotated[float | None, typer.Option(help="s at the start that are not compared; by default 2000, or half of a shorter record", show_default=False)] = None,
+    start: Annotated[list[str] | None, typer.Option(help="parameter and value, as Sea.Hs=3; may be repeated", show_default=False)] = None,
+    figures: Annotated[bool, typer.Option(help="draw the figure")] = True,
+) -> None:  # fmt: skip
+    """Simulate an FMU: time series, a figure, and a comparison with OpenFAST's record for the same waves."""
+    from fowtio.fmu import command
+
+    command.simulate_file(path, out, elevation, duration, step, discard, start, figures, _print_json if json else None, quiet)
 
 
 def main() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from fowtio.case import Case
 from fowtio.errors import FormatError, ModelError
 from fowtio.read.metocean import Metocean, read_metocean
-from fowtio.site import SUFFIX, Site, describe_report, load_site, shipped_sites, site_of_record
+from fowtio.site import SUFFIX, Site, load_site, shipped_sites, site_of_record
 from fowtio.ultimate import ResponseSearch, contour_search
 from model.environment.contours import crest, iform_surface, isoline, level_range, reliability_index
 from model.environment.joint import JointModel
@@ -163,11 +163,6 @@ def open_site(
     record = read_metocean(path)
     site, fit, states = site_of_record(record, wind=wind, method=method, **given)
     return site, fit, states, record
-
-
-def record_notes(record: Metocean) -> list[str]:
-    """Return what was found and assumed in a record, in sentences."""
-    return [f"{record.report.rows} rows: {describe_report(record.report)}", *record.report.notes]
 
 
 def _isoline(site: Site, beta: float, speed: float, copies: Sequence[JointModel] = ()) -> Isoline:

@@ -38,7 +38,9 @@ class DatabasePlan:
     draft: tuple[float, float, int] = (20.0, 32.0, 5)
     depths: tuple[float, ...] = (np.inf, 370.0, 200.0)
     depth_points: tuple[int, int, int] = (3, 3, 3)
-    scaled_frequency: tuple[float, ...] = tuple(np.round(np.r_[np.arange(1, 35) * 0.1, 3.4 + np.arange(1, 9) * 0.15], 3))
+    scaled_frequency: tuple[float, ...] = tuple(
+        np.round(np.r_[np.arange(1, 35) * 0.1, 3.4 + np.arange(1, 9) * 0.15], 3)
+    )
     headings_deg: tuple[float, ...] = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
     central_diameter: float = 8.3
     plate_ratio: float = 2.0
@@ -57,7 +59,10 @@ def chebyshev_points(low: float, high: float, count: int) -> np.ndarray:
 def plan_axes(plan: DatabasePlan, counts=None) -> list[np.ndarray]:
     """Return the Chebyshev points of diameter, radius and draft [m], by default the plan's numbers of them."""
     bounds = [getattr(plan, name) for name in DIMENSIONS]
-    return [chebyshev_points(low, high, n) for (low, high, _), n in zip(bounds, counts or [b[2] for b in bounds], strict=True)]
+    return [
+        chebyshev_points(low, high, n)
+        for (low, high, _), n in zip(bounds, counts or [b[2] for b in bounds], strict=True)
+    ]
 
 
 def plan_nodes(plan: DatabasePlan, counts=None) -> np.ndarray:
@@ -92,7 +97,10 @@ def solve_hull(plan: DatabasePlan, hull, depth: float, rows: int | None = None) 
     bodies = [capytaine_body(m) for m in plan_meshes(plan, *hull)]
     solver = load_capytaine().BEMSolver(method=plan.method)
     omega = np.array(plan.scaled_frequency[:rows]) * np.sqrt(GRAVITY / hull[1])
-    out = {"values": np.array([pack(*(solve_frequency(b, w, settings, solver) for b in bodies)) for w in omega]), "omega": omega}
+    out = {
+        "values": np.array([pack(*(solve_frequency(b, w, settings, solver) for b in bodies)) for w in omega]),
+        "omega": omega,
+    }
     if rows is None:
         for name, w in (("zero", 0.0), ("infinite", np.inf)):
             coarse, fine = (solve_frequency(b, w, settings, solver) for b in bodies)
@@ -150,7 +158,9 @@ def fingerprint(plan: DatabasePlan) -> str:
     return hashlib.sha256(json.dumps(asdict(plan), sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
-def solve_plan(plan: DatabasePlan, folder: str | Path, *, jobs: int = 2, dask: str | None = None, progress=None) -> None:
+def solve_plan(
+    plan: DatabasePlan, folder: str | Path, *, jobs: int = 2, dask: str | None = None, progress=None
+) -> None:
     """Solve what is missing of a plan, in parallel over hulls through joblib; a stopped run goes on where it was.
 
     dask is the address of a scheduler (host:port) whose workers see the folder; without it `jobs` processes run here.
@@ -197,10 +207,15 @@ def collect(plan: DatabasePlan, folder: str | Path) -> HydroDatabase:
     folder, hulls = Path(folder), plan_nodes(plan)
     missing = [task for task in tasks(plan) if not task_path(folder, task).exists()]
     if missing:
-        raise ModelError(f"{len(missing)} of {len(tasks(plan))} solutions are missing in {folder}; run fowtio database build again")
+        raise ModelError(
+            f"{len(missing)} of {len(tasks(plan))} solutions are missing in {folder}; run fowtio database build again"
+        )
     headings, axes = np.radians(plan.headings_deg), plan_axes(plan)
     solved = [dict(np.load(task_path(folder, ("hull", k, np.inf)))) for k in range(len(hulls))]
-    rows = [np.concatenate([_still_row(plan, h, d["zero"], len(headings))[None], d["values"]]) for h, d in zip(hulls, solved, strict=True)]
+    rows = [
+        np.concatenate([_still_row(plan, h, d["zero"], len(headings))[None], d["values"]])
+        for h, d in zip(hulls, solved, strict=True)
+    ]
     shape, deep = tuple(len(a) for a in axes), np.array(rows)
     values = [deep]
     for depth in plan.depths[1:]:
@@ -218,6 +233,7 @@ def collect(plan: DatabasePlan, folder: str | Path) -> HydroDatabase:
 
 def _change(plan: DatabasePlan, folder: Path, depth: float) -> np.ndarray:
     """Return the change of the low rows (hull, row, quantity) from deep water to a depth, from the coarser grid of hulls."""
+
     def stack(h):
         count = int(np.prod(plan.depth_points))
         return np.array([np.load(task_path(folder, ("depth", k, h)))["values"] for k in range(count)])
@@ -276,9 +292,16 @@ def read_database(path: str | Path | None = None) -> HydroDatabase:
     except OSError as error:
         raise FormatError(path, expected="a coefficient database (netCDF)", found=str(error)) from None
     if data.attrs.get("form") != FORM:
-        raise FormatError(path, expected=FORM, found=str(data.attrs.get("form")), hint="fowtio database build writes one")
+        raise FormatError(
+            path, expected=FORM, found=str(data.attrs.get("form")), hint="fowtio database build writes one"
+        )
     if checksum(data) != data.attrs["checksum"]:
-        raise FormatError(path, expected=f"checksum {data.attrs['checksum']}", found=checksum(data), hint="The file is damaged; build or fetch it again")
+        raise FormatError(
+            path,
+            expected=f"checksum {data.attrs['checksum']}",
+            found=checksum(data),
+            hint="The file is damaged; build or fetch it again",
+        )
     deep = data["deep"].values
     values = np.repeat(deep[None], 1 + data.sizes["finite_depth"], axis=0)
     change = data["change"].values
@@ -294,7 +317,12 @@ def database_plan(path: str | Path | None = None) -> DatabasePlan:
     """Return the plan that a database was built from."""
     with xr.open_dataset(embedded_path() if path is None else path, engine="h5netcdf") as file:
         stored = json.loads(file.attrs["plan"])
-    return DatabasePlan(**{k: tuple(float(x) for x in v) if k == "depths" else tuple(v) if isinstance(v, list) else v for k, v in stored.items()})
+    return DatabasePlan(
+        **{
+            k: tuple(float(x) for x in v) if k == "depths" else tuple(v) if isinstance(v, list) else v
+            for k, v in stored.items()
+        }
+    )
 
 
 def embedded_path() -> Path:
@@ -315,7 +343,15 @@ def checksum(data: xr.Dataset) -> str:
     return digest.hexdigest()
 
 
-def held_out(database: HydroDatabase, plan: DatabasePlan, designs, *, depth: float = np.inf, jobs: int = 2, folder: str | Path | None = None) -> list[dict]:
+def held_out(
+    database: HydroDatabase,
+    plan: DatabasePlan,
+    designs,
+    *,
+    depth: float = np.inf,
+    jobs: int = 2,
+    folder: str | Path | None = None,
+) -> list[dict]:
     """Return the errors of interpolated coefficients on hulls (N, 3) that the database has not seen, solved afresh.
 
     For every hull the largest difference over the frequencies (and headings), as a share of the largest value of that
@@ -326,7 +362,10 @@ def held_out(database: HydroDatabase, plan: DatabasePlan, designs, *, depth: flo
     designs = np.atleast_2d(designs)
     rows = None if np.isinf(depth) else low_rows(plan)
     work = (delayed(_solved_before)(plan, tuple(map(float, hull)), depth, rows, folder) for hull in designs)
-    return [_errors(database, plan, hull, found, depth) for hull, found in zip(designs, Parallel(n_jobs=jobs)(work), strict=True)]
+    return [
+        _errors(database, plan, hull, found, depth)
+        for hull, found in zip(designs, Parallel(n_jobs=jobs)(work), strict=True)
+    ]
 
 
 def _solved_before(plan, hull, depth, rows, folder):

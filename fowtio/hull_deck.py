@@ -79,7 +79,9 @@ def write_deck(plan: DeckPlan, folder: str | Path) -> Path:
     _write(inputs / "HydroDyn.dat", _hydrodyn(plan, (form / "HydroDyn.dat").read_text()))
     _write(inputs / "MAP.dat", _moorings(plan, (form / "MAP.dat").read_text()))
     main = set_values((form / "oc4.fst").read_text(), {"WtrDpth": f"{plan.depth:g}"})
-    _write(inputs / f"{plan.name}.fst", _titled(main, f"{TURBINES[plan.turbine][1]} on {plan.title}, parked, JONSWAP sea"))
+    _write(
+        inputs / f"{plan.name}.fst", _titled(main, f"{TURBINES[plan.turbine][1]} on {plan.title}, parked, JONSWAP sea")
+    )
     study = folder / f"{plan.name}.fowt"
     _write(study, _study(plan))
     return study
@@ -89,7 +91,9 @@ def set_values(text: str, values: dict[str, str]) -> str:
     """Return an input file's text with values replaced by their names; raise KeyError for a name that is not there."""
     for name, value in values.items():
         pattern = re.compile(rf"^(\s*)(\"[^\"]*\"|\S+)(\s+{re.escape(name)}\s+-)", re.MULTILINE)
-        text, count = pattern.subn(lambda m, v=value: f"{v:>{max(len(m.group(1) + m.group(2)), len(v))}}{m.group(3)}", text)
+        text, count = pattern.subn(
+            lambda m, v=value: f"{v:>{max(len(m.group(1) + m.group(2)), len(v))}}{m.group(3)}", text
+        )
         if not count:
             raise KeyError(f"no value named {name} in the file")
     return text
@@ -115,12 +119,25 @@ def _elastodyn(plan: DeckPlan, text: str) -> str:
 
 def _hydrodyn(plan: DeckPlan, text: str) -> str:
     hydro = plan.hydro
-    text = set_values(text, {"PotFile": f'"hydro/{plan.name}"', "PtfmVol0": f"{hydro.volume:.3f}", "NExctnHdg": str(len(hydro.heading) - 1)})
+    text = set_values(
+        text,
+        {
+            "PotFile": f'"hydro/{plan.name}"',
+            "PtfmVol0": f"{hydro.volume:.3f}",
+            "NExctnHdg": str(len(hydro.heading) - 1),
+        },
+    )
     for name, matrix in (("AddCLin", plan.added_stiffness), ("AddBLin", plan.added_damping)):
         if matrix is not None:
             text = _set_matrix(text, name, np.asarray(matrix))
     joints, members, coefficients, sections, axial = _member_tables(plan.members)
-    for count, rows in (("NAxCoef", axial), ("NJoints", joints), ("NPropSetsCyl", sections), ("NCoefMembersCyl", coefficients), ("NMembers", members)):
+    for count, rows in (
+        ("NAxCoef", axial),
+        ("NJoints", joints),
+        ("NPropSetsCyl", sections),
+        ("NCoefMembersCyl", coefficients),
+        ("NMembers", members),
+    ):
         text = _set_table(text, count, rows)
     return _titled(text, f"{plan.title}: potential flow, strip drag on its members")
 
@@ -159,7 +176,9 @@ def _member_tables(plan_members: Sequence[Member]):
         )
         coefficients.append(f"{k:5d} {m.drag:.2f} {m.drag:.2f}" + " 0.00" * 22 + " 1.00" * 4)
     sections = [f"{k:9d} {d:10.5f}     0.06000" for k, d in enumerate(diameters, start=1)]
-    axial = [f"{k:5d} {v:8.2f}     0.00     1.00      0        0.00       1.00" for k, v in enumerate(axial_values, start=1)]
+    axial = [
+        f"{k:5d} {v:8.2f}     0.00     1.00      0        0.00       1.00" for k, v in enumerate(axial_values, start=1)
+    ]
     return joints, members, coefficients, sections, axial
 
 
@@ -172,16 +191,25 @@ def _moorings(plan: DeckPlan, text: str) -> str:
     def head(k):
         return lines[heads[k] : heads[k] + 3]
 
-    dictionary = [f"line{k}  {d:10.5f} {m:10.3f} {s:12.5E}      1.0    0        0    0        0" for k, (d, m, s) in enumerate(kinds, start=1)]
+    dictionary = [
+        f"line{k}  {d:10.5f} {m:10.3f} {s:12.5E}      1.0    0        0    0        0"
+        for k, (d, m, s) in enumerate(kinds, start=1)
+    ]
     nodes, rows = [], []
     for k, line in enumerate(plan.lines, start=1):
         anchor = " ".join(f"{v:11.4f}" for v in line.anchor[:2])
         floor = abs(line.anchor[2] + plan.depth) < 1e-6
-        nodes.append(f"{2 * k - 1:4d} fix    {anchor} {'depth' if floor else f'{line.anchor[2]:.4f}':>11}   0     0     #     #     #")
+        nodes.append(
+            f"{2 * k - 1:4d} fix    {anchor} {'depth' if floor else f'{line.anchor[2]:.4f}':>11}   0     0     #     #     #"
+        )
         nodes.append(f"{2 * k:4d} Vessel {' '.join(f'{v:11.4f}' for v in line.fairlead)}   0     0     #     #     #")
         kind = kinds.index((line.diameter, line.mass, line.stiffness)) + 1
-        rows.append(f"{k:3d} line{kind}  {line.length:12.4f} {2 * k - 1:6d} {2 * k:6d}   tension_fair h_fair v_fair tension_anch")
-    return "\n".join([*head(0), *dictionary, *head(1), *nodes, *head(2), *rows, *lines[heads[3] : heads[3] + 3], "help", ""]).replace("\nhelp\n", "\n")
+        rows.append(
+            f"{k:3d} line{kind}  {line.length:12.4f} {2 * k - 1:6d} {2 * k:6d}   tension_fair h_fair v_fair tension_anch"
+        )
+    return "\n".join(
+        [*head(0), *dictionary, *head(1), *nodes, *head(2), *rows, *lines[heads[3] : heads[3] + 3], "help", ""]
+    ).replace("\nhelp\n", "\n")
 
 
 def _study(plan: DeckPlan) -> str:

@@ -100,7 +100,9 @@ def polyline(corners, size, refine: int = 1) -> np.ndarray:
     return np.concatenate(pieces)
 
 
-def lid_disc(radius: float, rings: int, around: int, *, refine: int = 1, centre=(0.0, 0.0), sector=(0.0, 2 * np.pi)) -> np.ndarray:
+def lid_disc(
+    radius: float, rings: int, around: int, *, refine: int = 1, centre=(0.0, 0.0), sector=(0.0, 2 * np.pi)
+) -> np.ndarray:
     """Return the panels of a lid at still water inside a round column, facing up like water above a body."""
     down = revolved([(radius, 0.0), (0.0, 0.0)], radius / rings, around, refine=refine, centre=centre, sector=sector)
     return down[:, ::-1]
@@ -131,7 +133,9 @@ def tube(start, end, radius: float, along: int, around: int, *, side=(0.0, 2 * n
     return _quads(np.swapaxes(points, 0, 1))
 
 
-def box(half_length: float, half_width: float, draft: float, size: float, *, refine: int = 1, moonpool: float = 0.0) -> np.ndarray:
+def box(
+    half_length: float, half_width: float, draft: float, size: float, *, refine: int = 1, moonpool: float = 0.0
+) -> np.ndarray:
     """Return a quarter (x, y >= 0) of a box barge, with a square moonpool of side `moonpool` [m] in its middle."""
     z = -draft * np.linspace(0.0, 1.0, refine * max(1, round(draft / size)) + 1) ** WATERLINE_POWER
     pool = moonpool / 2
@@ -143,11 +147,16 @@ def box(half_length: float, half_width: float, draft: float, size: float, *, ref
     bottom = bottom[~((centre[:, 0] < pool) & (centre[:, 1] < pool))][:, ::-1]
     parts = [side_x, side_y, bottom]
     if pool:
-        parts += [_wall(x[x <= pool + 1e-9], z, lambda s: (s, pool)), _wall(y[y <= pool + 1e-9], z, lambda s: (pool, s))[:, ::-1]]
+        parts += [
+            _wall(x[x <= pool + 1e-9], z, lambda s: (s, pool)),
+            _wall(y[y <= pool + 1e-9], z, lambda s: (pool, s))[:, ::-1],
+        ]
     return np.concatenate(parts)
 
 
-def box_lid(half_length: float, half_width: float, size: float, *, refine: int = 1, moonpool: float = 0.0) -> np.ndarray:
+def box_lid(
+    half_length: float, half_width: float, size: float, *, refine: int = 1, moonpool: float = 0.0
+) -> np.ndarray:
     """Return a quarter of the lid of a box barge at still water, without the moonpool."""
     pool = moonpool / 2
     x, y = (_with_pool(half, pool, size, refine) for half in (half_length, half_width))

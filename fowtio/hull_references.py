@@ -46,7 +46,10 @@ def oc3_spar(hydro: HydroCoefficients) -> DeckPlan:
     damping[range(6), range(6)] = [1e5, 1e5, 1.3e5, 0.0, 0.0, 1.3e7]
     z = np.array([0.0, 0.0, 1.0])
     shape = ((-120.0, -12.0, 9.4), (-12.0, -4.0, 7.95), (-4.0, 2.0, 6.5))
-    members = [Member(name=f"spar {k}", start=a * z, end=b * z, diameter=d, drag=0.6) for k, (a, b, d) in enumerate(shape, start=1)]
+    members = [
+        Member(name=f"spar {k}", start=a * z, end=b * z, diameter=d, drag=0.6)
+        for k, (a, b, d) in enumerate(shape, start=1)
+    ]
     return DeckPlan(
         name="oc3", title="the OC3-Hywind spar, 320 m", turbine="nrel5mw", platform=_body(7.46633e6, -89.9155, 4.22923e9, 4.22923e9, 1.6423e8),
         hydro=hydro, members=members, depth=320.0, added_stiffness=stiffness, added_damping=damping, linearisations=LINEARISATIONS,
@@ -91,9 +94,20 @@ def semi_designs() -> dict[str, SemiDesign]:
     up = SemiDesign(hull=big, anchor_radius=837.6, length=835.0, line=CHAIN, name="semi_10mw")
     return {
         "semi_10mw": length_for_stiffness(up, OC4_SURGE_STIFFNESS),
-        "table31": SemiDesign(hull=thesis_hull(20.0, 45.0, 31.5), anchor_radius=840.0, length=825.0, line=CHAIN, name="table31"),
-        "table34": SemiDesign(hull=thesis_hull(14.5, 44.5, 24.0), anchor_radius=850.0, length=845.0, line=CHAIN, name="table34"),
-        "table38": SemiDesign(hull=thesis_hull(14.0, 45.0, 24.5), anchor_radius=810.0, length=840.0, depth=370.0, line=WIRE, name="table38"),
+        "table31": SemiDesign(
+            hull=thesis_hull(20.0, 45.0, 31.5), anchor_radius=840.0, length=825.0, line=CHAIN, name="table31"
+        ),
+        "table34": SemiDesign(
+            hull=thesis_hull(14.5, 44.5, 24.0), anchor_radius=850.0, length=845.0, line=CHAIN, name="table34"
+        ),
+        "table38": SemiDesign(
+            hull=thesis_hull(14.0, 45.0, 24.5),
+            anchor_radius=810.0,
+            length=840.0,
+            depth=370.0,
+            line=WIRE,
+            name="table38",
+        ),
     }
 
 

@@ -54,7 +54,12 @@ class SemiDesign:
     def mooring(self) -> MooringSystem:
         """Return the three lines."""
         return three_line_mooring(
-            self.hull, anchor_radius=self.anchor_radius, length=self.length, depth=self.depth, gravity=GRAVITY, **(self.line or CHAIN)
+            self.hull,
+            anchor_radius=self.anchor_radius,
+            length=self.length,
+            depth=self.depth,
+            gravity=GRAVITY,
+            **(self.line or CHAIN),
         )
 
     def floating(self) -> FloatingHull:
@@ -79,7 +84,9 @@ def semi_hydro(
     hull, data = floating.hull, database or read_database()
     for name, value in (("plate_ratio", 2.0), ("plate_height", 6.0), ("central_diameter", 8.3)):
         if abs(float(getattr(hull, name)) - value) > 1e-6:
-            raise ModelError(f"{name} is {float(getattr(hull, name)):g}, the database holds hulls with {value:g}; solve this one with fowtio bem")
+            raise ModelError(
+                f"{name} is {float(getattr(hull, name)):g}, the database holds hulls with {value:g}; solve this one with fowtio bem"
+            )
     try:
         batch = interpolate(data, [hull.diameter, hull.radius, hull.draft], omega, heading, depth=depth)
     except ValueError as error:
@@ -110,7 +117,10 @@ def length_for_stiffness(design: SemiDesign, stiffness: float) -> SemiDesign:
     """Return the design with the line length at which the surge stiffness at rest [N/m] is the one given (shorter is stiffer)."""
     from scipy.optimize import brentq
 
-    lead = float(design.hull.radius + design.hull.plate_diameter / 2), float(design.depth - design.hull.draft + design.hull.plate_height)
+    lead = (
+        float(design.hull.radius + design.hull.plate_diameter / 2),
+        float(design.depth - design.hull.draft + design.hull.plate_height),
+    )
     straight = np.hypot(design.anchor_radius - lead[0], lead[1])
 
     def miss(length):
@@ -122,7 +132,9 @@ def length_for_stiffness(design: SemiDesign, stiffness: float) -> SemiDesign:
     for a, b, va, vb in zip(lengths[:-1], lengths[1:], values[:-1], values[1:], strict=True):
         if va >= 0 > vb:
             return replace(design, length=float(brentq(miss, a, b)))
-    raise ModelError(f"no line length gives a surge stiffness of {stiffness:g} N/m at an anchor radius of {design.anchor_radius:g} m")
+    raise ModelError(
+        f"no line length gives a surge stiffness of {stiffness:g} N/m at an anchor radius of {design.anchor_radius:g} m"
+    )
 
 
 def design_deck(design: SemiDesign, folder: str | Path, *, title: str, hydro: HydroCoefficients | None = None) -> Path:
@@ -148,7 +160,15 @@ def hull_members(hull: SemiHull, drag: dict = DRAG) -> list[Member]:
 
     keel, shelf = -float(hull.draft), -float(hull.draft) + float(hull.plate_height)
     z = np.array([0.0, 0.0, 1.0])
-    out = [Member(name="central column", start=keel * z, end=2.0 * z, diameter=float(hull.central_diameter), drag=drag["central"])]
+    out = [
+        Member(
+            name="central column",
+            start=keel * z,
+            end=2.0 * z,
+            diameter=float(hull.central_diameter),
+            drag=drag["central"],
+        )
+    ]
     for k, a in enumerate(AZIMUTHS, start=1):
         p = float(hull.radius) * np.array([np.cos(a), np.sin(a), 0.0])
         out += [
@@ -158,5 +178,13 @@ def hull_members(hull: SemiHull, drag: dict = DRAG) -> list[Member]:
     for name, start, end in wet_braces(hull):
         for k, a in enumerate((0.0, 2 * np.pi / 3, 4 * np.pi / 3), start=1):
             turn = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1.0]])
-            out.append(Member(name=f"{name} {k}", start=turn @ start, end=turn @ end, diameter=float(hull.brace_diameter), drag=drag["brace"]))
+            out.append(
+                Member(
+                    name=f"{name} {k}",
+                    start=turn @ start,
+                    end=turn @ end,
+                    diameter=float(hull.brace_diameter),
+                    drag=drag["brace"],
+                )
+            )
     return out

@@ -43,7 +43,9 @@ def ten_megawatt(wind_speed: float = 0.0) -> TurbineMatrices:
     points, dofs = _table()
     speeds = np.array([p["wind_speed"] for p in points], dtype=float)
     if wind_speed != 0 and not speeds[1] <= wind_speed <= speeds[-1]:
-        raise ModelError(f"the wind speed is {wind_speed:g} m/s; the 10 MW turbine has data at 0 (parked) and {speeds[1]:g} to {speeds[-1]:g} m/s")
+        raise ModelError(
+            f"the wind speed is {wind_speed:g} m/s; the 10 MW turbine has data at 0 (parked) and {speeds[1]:g} to {speeds[-1]:g} m/s"
+        )
     high = int(np.searchsorted(speeds, wind_speed))
     low = high if speeds[high] == wind_speed else high - 1
     share = 0.0 if low == high else (wind_speed - speeds[low]) / (speeds[high] - speeds[low])

@@ -49,7 +49,8 @@ class Finding:
 class Records:
     """Records of one state: files (s); step [s]; start, the first sample after the transient; waves: s arrays (t) [m]; wind: s arrays
     (t) [m/s] at the hub and thrust of the air: s arrays (t) [N], each or None; names, units (c) of the channels, channels: s arrays (t, c) in SI, whole records; written: name in the
-    files of each channel; unmatched channels of the files; missing channels of the model; what was noticed.
+    files of each channel; unmatched channels of the files; missing channels of the model; still, those that hardly move, with their
+    standard deviation; what was noticed.
     """
 
     files: tuple[str, ...]
@@ -64,6 +65,7 @@ class Records:
     written: tuple[str, ...]
     unmatched: tuple[str, ...]
     missing: tuple[str, ...]
+    still: tuple[tuple[str, float], ...]
     findings: tuple[Finding, ...]
 
     @property
@@ -121,6 +123,10 @@ def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequen
     step = _common_step(series, findings)
     series = [_even(s, step, findings) for s in series]
     start = round(reference.discard / step)
+    late = sorted({round(float(s.time[0]), 3) for s in series})
+    if late != [0.0]:
+        severity = "note" if len(late) == 1 else "error"
+        findings.append(Finding(severity=severity, subject="time axis", text=f"records begin at {', '.join(f'{t:g}' for t in late)} s; the transient is counted from there"))
     if min(len(s.time) for s in series) - start < FEWEST_SAMPLES:
         raise ModelError(f"{series[0].source}: fewer than {FEWEST_SAMPLES} samples remain after {reference.discard:g} s are discarded")
     own = reference.channels
@@ -143,12 +149,13 @@ def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequen
         return [in_si(s, p, unit, findings) for s, p in zip(series, places[name], strict=True)] if name in inputs else None
 
     missing = tuple(n for n in names if n not in present)
+    still = tuple((n, max(float(np.std(r[start:])) for r in data[n])) for n in present if n not in moving)
     return Records(
         files=tuple(str(f) for f in reference.files), step=step, start=start, waves=read(WAVE, "m"), wind=read(WIND, "m/s"),
         thrust=read(THRUST, "N"), names=tuple(moving),
         units=tuple(units[names.index(n)] for n in moving),
         channels=[np.stack([data[n][k] for n in moving], axis=1) for k in range(len(series))], written=tuple(places[n][0][0] for n in moving),
-        unmatched=unmatched, missing=missing, findings=tuple(dict.fromkeys(findings)),
+        unmatched=unmatched, missing=missing, still=still, findings=tuple(dict.fromkeys(findings)),
     )  # fmt: skip
 
 

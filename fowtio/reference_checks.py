@@ -76,11 +76,13 @@ def agreement_findings(
     usable = [a for a in aligned if a.belongs]
     if not usable:
         return out
-    score = np.mean([a.score for a in usable], axis=0)
+    score = np.median([a.score for a in usable], axis=0)
     if np.all(score < -0.5):
         return [*out, Finding(severity="error", subject=WAVE, text="wrong sign: every channel moves against the model's; the wave elevation has the other sign")]
-    size = np.sqrt(np.mean([a.size**2 for a in usable], axis=0))
+    size, sure = np.median([a.size for a in usable], axis=0), np.median([a.shares for a in usable], axis=0) > 0.3
     for k, name in enumerate(records.names):
+        if not sure[k]:
+            continue
         if score[k] < -0.5:
             out.append(Finding(severity="error", subject=name, text=f"wrong sign: its part that follows the waves is the model's turned round (correlation {score[k]:.2f})"))
         elif score[k] < 0.5 and name in exact:
@@ -91,6 +93,19 @@ def agreement_findings(
                 out.append(Finding(severity="error", subject=name, text=f"wrong sign in {_name(file)} alone"))
             elif a.belongs and name in exact and not 0.5 < a.size[k] / size[k] < 2:
                 out.append(Finding(severity="error", subject=name, text=f"in {_name(file)} {a.size[k] / size[k]:.3g} times the size of the other records"))
+    return out
+
+
+def still_findings(still: Sequence[tuple[str, float]], names: Sequence[str], std: np.ndarray, units: Sequence[str]) -> list[Finding]:
+    """Return channels that hardly move in the records (name, σ) though the model's do: names, std, units (c) are the model's."""
+    out = []
+    for name, found in still:
+        k = names.index(name)
+        largest = max(s for s, u in zip(std, units, strict=True) if u == units[k])
+        if std[k] > 0.05 * largest:
+            ratio = found / std[k]
+            words = next((f": {text}" for factor, text in FACTORS.items() if abs(ratio / factor - 1) < 0.3), "")
+            out.append(Finding(severity="error", subject=name, text=f"hardly moves: σ is {found:.3g} {units[k]} in the records, {std[k]:.3g} in the model{words}; it is not compared"))
     return out
 
 
@@ -106,7 +121,8 @@ class _Alignment:
         coherent, own = (np.abs(cross) ** 2 / s[:, None]).sum(axis=0), (np.abs(model) ** 2 * s[:, None]).sum(axis=0)
         product = model.conj() * cross / np.sqrt(np.maximum(coherent * own, 1e-300))
         output = found.output_spectrum[inside]
-        self.coherence = float((coherent / output.sum(axis=0)).max())
+        self.shares = coherent / output.sum(axis=0)
+        self.coherence = float(self.shares.max())
         self.size = np.sqrt(coherent / np.maximum(own, 1e-300))
         late = np.arange(-_REACH, _REACH + _FINE / 2, _FINE)
         self.late, in_time = _best(product, np.exp(2j * np.pi * np.outer(late, f)), late)

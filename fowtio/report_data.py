@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -55,18 +56,34 @@ def check_json(model: Model) -> dict:
     }  # fmt: skip
 
 
-def validation_json(found: list[Validation], files: list[Path]) -> dict:
+def validation_json(found: list[Validation], files: list[Path], decays: Sequence = ()) -> dict:
     """Return the comparison; `channels` are those of the first reference, `references` all."""
     references = [
         {
-            "state": v.state, "passed": v.passed, "tolerance": v.tolerance, "files": list(v.files),
-            "channels": {c.name: _channel(c) for c in v.channels}, "channels_without_counterpart": list(v.unmatched),
-            "averages": v.estimate.averages,
+            "state": v.state, "kind": v.kind, "passed": v.passed, "tolerance": v.tolerance, "files": list(v.files),
+            "channels": {c.name: _channel(c) for c in v.channels}, "channels_without_counterpart": list(v.unmatched), "channels_missing": list(v.missing),
+            "findings": [{"severity": f.severity, "subject": f.subject, "text": f.text} for f in v.findings],
+            "averages": None if v.estimate is None else v.estimate.averages, "segment": None if v.estimate is None else v.estimate.segment,
+            "wave_std_error": _finite(v.wave_error), "hub_wind_std_error": _finite(v.wind_error), "rotor_wind_std_error": _finite(v.felt_error),
+            "lacking": {} if v.lack is None else {
+                d: {"damping": float(v.lack.terms.damping[k]), "stiffness": float(v.lack.terms.stiffness[k]), "frequency_hz": float(v.lack.frequency[k]),
+                    "damping_ratio": float(v.lack.damping_ratio[k])} for k, d in enumerate(v.lack.terms.dofs)
+            },
         } for v in found
     ]  # fmt: skip
     return {
-        "channels": references[0]["channels"], "passed": all(v.passed for v in found), "references": references,
-        "files": [str(f) for f in files], "units": {"std": "as the channel's unit", "errors": "fraction", "peak_frequency": "Hz"},
+        "channels": references[0]["channels"] if references else {}, "passed": all(v.passed for v in (*found, *decays)), "references": references,
+        "decays": {d.channel: _decay(d) for d in decays}, "files": [str(f) for f in files],
+        "units": {"std": "as the channel's unit", "errors": "fraction", "peak_frequency": "Hz", "period": "s", "damping": "N s/m, N m s", "stiffness": "N/m, N m",
+                  "damping_quadratic": "damping ratio per unit of the channel", "segment": "s"},
+    }  # fmt: skip
+
+
+def _decay(d) -> dict:
+    return {
+        "unit": d.unit, "period": float(d.model.period[0]), "period_reference": d.found.period, "period_error": d.period_error, "damping_linear": d.model_linear,
+        "damping_linear_reference": float(d.found.linear), "damping_quadratic": d.model_quadratic, "damping_quadratic_reference": float(d.found.quadratic),
+        "damping_error": _finite(d.damping_error), "passed": d.passed, "file": d.file,
     }  # fmt: skip
 
 
@@ -126,11 +143,19 @@ def _contributions(point: OperatingPoint) -> dict:
 
 
 def _channel(c) -> dict:
+    plain = {
+        "std": c.std_model, "std_reference": c.std_reference, "std_error": c.std_error, "std_error_state": c.std_error_state, "std_error_hub_wind": c.std_error_hub,
+        "std_error_same_waves": c.std_error_same_waves, "std_error_nonlinear": c.std_error_nonlinear, "std_error_memory": c.std_error_memory,
+        "scatter": c.scatter, "interval": c.interval, "mean": c.mean_model, "mean_reference": c.mean_reference, "mean_error": c.mean_error, "mean_error_rest": c.mean_error_rest,
+        "mean_interval": c.mean_interval, "rao_error": c.rao_error, "rao_error_same_waves": c.rao_error_same_waves,
+        "rao_error_nonlinear": c.rao_error_nonlinear, "rao_error_memory": c.rao_error_memory, "estimator_error": c.estimator_error, "log_error": c.log_error,
+        "peak_error": c.peak_error, "peak_frequency": c.peak_frequency, "peak_frequency_error": c.peak_frequency_error, "peak_leakage": c.peak_leakage,
+        "coherence_mean": c.coherence_mean, "extreme": c.extreme_model, "extreme_reference": c.extreme_reference, "excess_kurtosis": c.excess_kurtosis,
+        "correlation": c.correlation, "correlation_same_waves": c.correlation_same_waves,
+    }  # fmt: skip
     return {
-        "unit": c.unit, "std": c.std_model, "std_reference": c.std_reference, "std_error": c.std_error,
-        "std_error_same_waves": c.std_error_same_waves, "std_error_nonlinear": _finite(c.std_error_nonlinear), "scatter": _finite(c.scatter), "mean": c.mean_model, "mean_reference": c.mean_reference,
-        "rao_error": c.rao_error, "rao_error_nonlinear": _finite(c.rao_error_nonlinear), "rao_error_bands": list(c.band_errors), "peak_error": c.peak_error, "peak_frequency": c.peak_frequency,
-        "peak_frequency_error": c.peak_frequency_error, "coherence_mean": c.coherence_mean, "passed": c.passed,
+        "unit": c.unit, "name_in_files": c.written, **{k: _finite(v) for k, v in plain.items()}, "rao_error_bands": [_finite(b) for b in c.band_errors],
+        "verdict": c.verdict, "passed": c.passed,
     }  # fmt: skip
 
 

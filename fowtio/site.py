@@ -202,6 +202,11 @@ def describe_report(report: MetoceanReport) -> str:
     return "; ".join(found) or "nothing wrong"
 
 
+def record_notes(record: Metocean) -> list[str]:
+    """Return what was found and assumed in a record, in sentences."""
+    return [f"{record.report.rows} rows: {describe_report(record.report)}", *record.report.notes]
+
+
 def write_site(site: Site, path: str | Path) -> Path:
     """Write a site as a file that `load_site` reads; it appears whole or not at all."""
     with atomic_file(path) as temporary:

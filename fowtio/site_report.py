@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from fowtio import __version__
-from fowtio.contour_study import ContourStudy, record_notes
+from fowtio.contour_study import ContourStudy
 from fowtio.cost_study import CostStudy, ranking
 from fowtio.fatigue_study import FatigueStudy
 from fowtio.plane_contour import PlaneStudy
-from fowtio.site import SUFFIX, write_site
+from fowtio.site import SUFFIX, record_notes, write_site
 from fowtio.terminal import show_rows, show_table
 from model.environment.joint import UNITS, JointModel
 

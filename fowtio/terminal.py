@@ -117,35 +117,24 @@ def show_modes(model) -> None:
 
 def validation_table(found: Validation) -> Table:
     """Return one comparison as a table for people."""
-    columns = (
-        Column(name="Channel"), Column(name="Unit"), Column(name="σ model", decimals=4), Column(name="σ reference", decimals=4),
-        Column(name="error", unit="%", decimals=2), Column(name="same waves", unit="%", decimals=2),
-        Column(name="quadratic drag", unit="%", decimals=2), Column(name="seed scatter", unit="%", decimals=1),
-        Column(name="RAO error", unit="%", decimals=1), Column(name="quadratic drag", unit="%", decimals=1),
-        Column(name="peak", unit="Hz", decimals=4), Column(name="peak shift", unit="%", decimals=2),
-        Column(name="peak height", unit="%", decimals=1), Column(name="coherence", decimals=2), Column(name=""),
-    )  # fmt: skip
-    rows = []
-    for c in found.channels:
-        unit, factor = people(c.unit)
-        rows.append((
-            c.name, unit, c.std_model * factor, c.std_reference * factor, 100 * c.std_error, 100 * c.std_error_same_waves,
-            100 * c.std_error_nonlinear, 100 * c.scatter, 100 * c.rao_error, 100 * c.rao_error_nonlinear, c.peak_frequency, 100 * c.peak_frequency_error, 100 * c.peak_error,
-            c.coherence_mean, "ok" if c.passed else "outside",
-        ))  # fmt: skip
-    note = (
-        f"error: σ of model over σ of reference less one, tolerance {100 * found.tolerance:g} %; same waves: model driven by the "
-        "reference's own wave records; quadratic drag: likewise, with the drag force itself; definitions in docs/validation.md"
-    )
-    title = f"State {found.state}: model against {len(found.files)} time series"
-    return Table(name="validation", title=title, columns=columns, rows=tuple(rows), note=note)
+    from fowtio.write.validation_tables import channels
+
+    return channels(found)
 
 
-def show_validation(found: Sequence[Validation], files: Sequence[Path]) -> None:
-    """Print the comparisons with the reference time series."""
+def show_validation(found: Sequence[Validation], files: Sequence[Path], decays: Sequence = ()) -> None:
+    """Print the comparisons with the reference time series, decay tests, and what is doubtful about the references."""
+    from fowtio.write import validation_tables
+
     for item in found:
         show_table(validation_table(item))
+        show_table(validation_tables.lack(item))
         if item.unmatched:
             print(f"reference channels without a counterpart, or at rest: {', '.join(item.unmatched)}")
-    for file in files:
-        print(file)
+        if item.missing:
+            print(f"channels of the model that the reference lacks: {', '.join(item.missing)}")
+    show_table(validation_tables.decay_table(decays))
+    show_table(validation_tables.findings(found, decays))
+    report = next((f for f in files if f.suffix == ".html"), None)
+    if files:
+        print(f"\n{len(files)} files in {files[0].parent}" + (f"; the report is {report}" if report else ""))

@@ -12,17 +12,18 @@ from fowtio.case import StateEntry
 from fowtio.case_validation import Reference, Tolerance
 from fowtio.errors import ModelError
 from fowtio.reference import Finding, Records, read_records
-from fowtio.reference_checks import agreement_findings, length_findings, sea_findings
-from fowtio.validation_lack import Lack, lacking
+from fowtio.reference_checks import agreement_findings, length_findings, sea_findings, still_findings
+from fowtio.validation_lack import DecayComparison, Lack, compare_decay, lacking
 from fowtio.validation_model import (
     THRUST_TOP,
     ModelSide,
     evaluate,
+    hub_ratio,
+    moving_mean,
     one_wave,
     own_waves,
     own_wind,
     phase_at,
-    hub_ratio,
     quadratic_drag,
     response_spectrum,
     rotor_wind,
@@ -31,6 +32,7 @@ from fowtio.validation_model import (
 )
 from fowtio.workflow import Model
 from model.response.identify import SEGMENT, Estimate, choose_segment, estimate
+from model.response.loads import channel_response, response_spectra
 from model.response.measures import (
     BANDS,
     WHOLE_BAND,
@@ -79,6 +81,7 @@ class ChannelComparison:
     mean_model: float
     mean_reference: float
     mean_error: float
+    mean_error_rest: float
     mean_interval: float
     rao_error: float
     rao_error_same_waves: float
@@ -200,6 +203,14 @@ def validate(
     return compare(model, state, reference, records, side, found, nonlinear, progress)
 
 
+def validate_study(
+    model: Model, *, nonlinear: bool = True, progress: Callable[[str], None] = lambda text: None
+) -> tuple[list[Validation], list[DecayComparison]]:
+    """Return all comparisons that a study names: reference time series and decay tests. Raises ModelError or FormatError."""
+    found = [validate(model, r, nonlinear=nonlinear, progress=progress) for r in model.case.references]
+    return found, [compare_decay(model, d, progress=progress) for d in model.case.decays]
+
+
 def _gusty(records: Records) -> bool:
     """Tell whether the hub's wind changes."""
     return records.wind is not None and any(np.std(w[records.start :]) > 1e-3 * abs(np.mean(w)) for w in records.wind)
@@ -214,6 +225,11 @@ def _findings(model: Model, state: StateEntry, records: Records, side: ModelSide
     """Return everything that is doubtful about the reference."""
     driven = [w for n, w in zip(side.modes.names, side.modes.frequency, strict=True) if _moves(n, records)]
     out = [*records.findings, *length_findings(records, found, 2 * np.pi / min(driven, default=2 * np.pi / 10))]
+    if records.still:
+        outputs = side.point.outputs
+        spectra = response_spectra(channel_response(outputs, side.response), side.response)
+        std = statistics(spectra, side.response.excitation.omega, outputs.mean).std
+        out += still_findings(records.still, outputs.names, std, outputs.units)
     if np.any(side.waves):
         out += sea_findings(records, side.waves.sum(axis=0), side.hz)
         of_waves, of_wind = (s.sum(axis=0) for s in response_spectrum(side, side.waves, side.wind, side.gradients))
@@ -265,7 +281,7 @@ def _compare_rao(model, state, reference, records: Records, side: ModelSide, fou
     raw_spectrum = np.nan_to_num(raw) ** 2 * waves[:, None]
     fine = np.abs(side.to_wave[side.main]) ** 2 * np.interp(side.hz, f, waves)[:, None]
     histories, phases, real = _histories(records, fine, side, predicted)
-    channels = _channels(model, side, reference, records, found, figures, (target, clean, raw), fine, phases, real, scatter_counts=False)
+    channels = _channels(model, side, reference, records, found, figures, (target, clean, raw), fine, phases, real, side.mean, scatter_counts=False)
     lack = lacking(side, records, found, waves=side.waves, wind=None)
     return Validation(
         **_common(state, "waves", reference, records, channels), estimate=found, model_rao=smooth, model_rao_raw=raw, model_phase=phase_at(side, found),
@@ -304,7 +320,7 @@ def _compare_spectra(model, state, reference, records: Records, side: ModelSide,
     }  # fmt: skip
     histories, phases, real = _histories(records, spectrum, side, predicted)
     channels = _channels(model, side, reference, records, found, figures, (target, amplitude, np.sqrt(np.nan_to_num(raw))),
-                         spectrum, phases, real, scatter_counts=True)  # fmt: skip
+                         spectrum, phases, real, moving_mean(side, records, model.deck.elastodyn.structure), scatter_counts=True)  # fmt: skip
     lack = lacking(side, records, found, waves=waves, wind=wind)
     rao, rao_raw = smoothed_rao(side, found, records.step)
     return Validation(
@@ -335,7 +351,7 @@ def _means_only(model: Model, state: StateEntry, reference: Reference, records: 
         tolerance = reference.tolerance_of(name)
         channels.append(ChannelComparison(
             **nothing, name=name, unit=records.units[k], written=records.written[k], std_reference=float(std[k]), mean_model=float(outputs.mean[at[k]]),
-            mean_reference=float(means.mean(axis=0)[k]), mean_error=float(error[k]), mean_interval=NAN, band_errors=(NAN,) * len(BANDS), tolerance=tolerance,
+            mean_reference=float(means.mean(axis=0)[k]), mean_error=float(error[k]), mean_error_rest=float(error[k]), mean_interval=NAN, band_errors=(NAN,) * len(BANDS), tolerance=tolerance,
             std_verdict=NOT_JUDGED, mean_verdict=_verdict(error[k], tolerance.mean, 0.0), rao_verdict=NOT_JUDGED,
         ))  # fmt: skip
     return Validation(**_common(state, "mean", reference, records, tuple(channels)), findings=records.findings)
@@ -401,7 +417,7 @@ def _narrowest(side: ModelSide, records: Records) -> float:
     return float(min(widths, default=NAN))
 
 
-def _channels(model, side, reference, records, found: Estimate, figures, magnitudes, spectrum, phases, real, *, scatter_counts) -> tuple[ChannelComparison, ...]:
+def _channels(model, side, reference, records, found: Estimate, figures, magnitudes, spectrum, phases, real, means, *, scatter_counts) -> tuple[ChannelComparison, ...]:
     """Return all figures of every channel; magnitudes are those of reference, model and model unsmoothed, RAOs or amplitude spectra."""
     f = found.frequency
     target, smooth, raw = magnitudes
@@ -411,7 +427,7 @@ def _channels(model, side, reference, records, found: Estimate, figures, magnitu
     largest = np.mean([np.abs(y).max(axis=0) for y in cut], axis=0)
     expected = statistics(spectrum / (2 * np.pi), 2 * np.pi * side.hz, side.mean, records.shortest).extreme
     tails = kurtosis(np.concatenate([y / y.std(axis=0) for y in cut]), axis=0)
-    mean_error = relative_mean_error(side.mean, found.mean, found.std)
+    mean_rest, mean_error = (relative_mean_error(m, found.mean, found.std) for m in (side.mean, means))
     size = np.maximum(np.abs(found.mean), found.std)
     interval, mean_interval = seed_interval(found.std_each) / found.std, seed_interval(found.mean_each) / size
     out = []
@@ -424,8 +440,8 @@ def _channels(model, side, reference, records, found: Estimate, figures, magnitu
         allowed = (float(np.nan_to_num(interval[k])), float(np.nan_to_num(mean_interval[k]))) if scatter_counts else (0.0, 0.0)
         out.append(ChannelComparison(
             **{key: float(figures[key][k]) for key in figures if key != "bands"}, name=name, unit=records.units[k], written=records.written[k],
-            std_reference=float(found.std[k]), scatter=float(found.scatter[k]), interval=float(interval[k]), mean_model=float(side.mean[k]),
-            mean_reference=float(found.mean[k]), mean_error=float(mean_error[k]), mean_interval=float(mean_interval[k]),
+            std_reference=float(found.std[k]), scatter=float(found.scatter[k]), interval=float(interval[k]), mean_model=float(means[k]),
+            mean_reference=float(found.mean[k]), mean_error=float(mean_error[k]), mean_error_rest=float(mean_rest[k]), mean_interval=float(mean_interval[k]),
             band_errors=tuple(float(b) for b in figures["bands"][:, k]), coherence_mean=float(coherence[k]), peak_frequency=float(f_ref),
             peak_frequency_error=float(f_model / f_ref - 1), peak_error=float(h_model / h_ref - 1), peak_leakage=float(1 - h_model / h_raw),
             extreme_model=float(expected[k]), extreme_reference=float(largest[k]), excess_kurtosis=float(tails[k]), correlation=float(phases[k]),
@@ -466,7 +482,7 @@ def _resonance(side: ModelSide, reference: np.ndarray, f: np.ndarray) -> tuple[f
 def write_validation(found: Sequence[Validation], folder, *, progress: Callable[[str], None] = lambda text: None, **more) -> list:
     """Write the comparison: report, workbook, figures as PNG and SVG, tables as CSV; return the files written.
 
-    more: model (for the report and workbook) and decays, as in `fowtio.write.validation.write_comparison`.
+    more: model (for report and workbook), decays and figures, as in `fowtio.write.validation.write_comparison`.
     """
     from fowtio.write.validation import write_comparison
 

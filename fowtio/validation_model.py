@@ -18,6 +18,7 @@ from model.environment.wind import wind_spectrum
 from model.response.assemble import Modes, natural_modes
 from model.response.identify import Estimate, estimate, smooth_like_welch
 from model.response.loads import channel_response
+from model.response.mean_shift import mooring_shift, motion_covariance
 from model.response.nonlinear import record_channels, record_model, solve_record
 from model.response.solve import Excitation, Response, frequency_grid, prepare, solve
 from model.system.convolution import convolved_radiation
@@ -188,6 +189,22 @@ def own_wind(side: ModelSide, records: Records, felt: list[np.ndarray] | None, s
 
 def _spectrum(series: list[np.ndarray], step: float, segment: float) -> Estimate:
     return estimate(series, [s[:, None] for s in series], step, segment)
+
+
+def moving_mean(side: ModelSide, records: Records, structure) -> np.ndarray:
+    """Return the means (c) of the channels with what the mean position at rest leaves out: the moorings' mean force while the floater
+    moves, and the mean thrust of the records (where they have it) instead of that in steady wind.
+    """
+    point = side.point
+    outputs, index = point.outputs, [point.outputs.names.index(n) for n in records.names]
+    force = mooring_shift(point.system, point.mean, motion_covariance(side.response))
+    change, per_speed = 0.0, float(point.system.wind_force[0])
+    if records.thrust is not None and per_speed > 0 and point.mean.mooring is not None and "PtfmPitch" in records.names:
+        pitch = np.mean([c[:, records.names.index("PtfmPitch")].mean() for c in records.cut(records.channels)])
+        thrust = np.mean([t.mean() for t in records.cut(records.thrust)]) * np.cos(structure.rotor.tilt - pitch)
+        change = (thrust + point.mean.mooring.force[0]) / per_speed
+    offset = np.linalg.solve(point.mean.stiffness, force + point.system.wind_force * change)
+    return side.mean + outputs.position[index] @ offset + outputs.wind[index, 0] * change
 
 
 def window_matrix(hz: np.ndarray, frequency: np.ndarray, segment: float, sample: float) -> np.ndarray:

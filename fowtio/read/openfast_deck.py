@@ -285,9 +285,8 @@ def _describe_deck(deck: Deck) -> list[tuple[str, str]]:
 
 
 def _deck_problems(deck: Deck) -> list[str]:
-    """Return what of the deck is simplified or not modelled."""
-    current = deck.sea is not None and deck.sea.current
-    return [*(f"simplified: {note}" for note in deck.notes), *(["the current is not modelled"] if current else [])]
+    """Return what of the deck is simplified."""
+    return [f"simplified: {note}" for note in deck.notes]
 
 
 def _describe_elastodyn(deck: ElastoDyn) -> list[tuple[str, str]]:
@@ -327,7 +326,7 @@ def _describe_sea(sea: DeckSea) -> list[tuple[str, str]]:
     )
     return [
         ("sea", kind),
-        ("current", "yes, not modelled" if sea.current else "none"),
+        ("current", "steady" if sea.current else "none"),
         ("depth", f"{sea.depth} m" if sea.depth else "of the primary file"),
     ]
 

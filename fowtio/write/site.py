@@ -72,7 +72,7 @@ def write_contour(
 
 def notes_of(study) -> list[str]:
     """Return what was assumed and found, in sentences."""
-    from fowtio.contour_study import record_notes
+    from fowtio.site import record_notes
 
     site = study.site
     out = [

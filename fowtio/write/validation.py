@@ -11,7 +11,7 @@ import numpy as np
 from fowtio import __version__
 from fowtio.write import validation_tables as tables
 from fowtio.write.atomic import atomic_folder
-from fowtio.write.excel import Book
+from fowtio.write.excel import _Book
 from fowtio.write.provenance import versions
 from fowtio.write.quantities import slug, state_label
 from fowtio.write.report import Card, Section, environment
@@ -47,13 +47,13 @@ def write_comparison(
 def report(model, found: Sequence, decays: Sequence = (), pictures: Sequence = ()) -> str:
     """Return the report as one HTML page."""
     sections = [
-        _doubts(found, decays), *(_state_section(model, item, pictures) for item in found),
+        _overview(found, decays), _doubts(found, decays), *(_state_section(model, item, pictures) for item in found),
         *([_decay_section(decays, pictures)] if decays else []), _method_section(found), _provenance(model, found, decays),
     ]  # fmt: skip
-    return environment().get_template("report.html.j2").render(
-        kind="Code-to-code validation against time-domain simulations", title=model.case.title or model.case.path.stem, study=model.case.path.name,
-        deck=model.deck.path.name, version=__version__, date=datetime.date.today().isoformat(), cards=cards(found, decays),
-        summary=tables.overview(found, decays), conditions=tables.settings(found), sections=[(f"part-{n}", s) for n, s in enumerate(sections, start=1)],
+    return environment().get_template("site.html.j2").render(
+        kind="Code-to-code validation against time-domain simulations", title=model.case.title or model.case.path.stem,
+        origin=f"Study {model.case.path.name}, OpenFAST deck {model.deck.path.name}", version=__version__, date=datetime.date.today().isoformat(),
+        cards=cards(found, decays), sections=[(f"part-{n}", s) for n, s in enumerate(sections, start=1)],
     )  # fmt: skip
 
 
@@ -76,6 +76,56 @@ def cards(found: Sequence, decays: Sequence = ()) -> list[Card]:
         d = max(decays, key=lambda x: abs(x.period_error))
         out.append(Card(label="Largest error of a decay's period", value=f"{100 * d.period_error:+.2f} %".replace("-", "−"), note=d.channel))
     return out
+
+
+def _overview(found, decays) -> Section:
+    words = "<p>Green: within the tolerance of the study. Yellow: outside, but within the 95 % interval of the reference's own seeds. Red: outside. Grey: no tolerance named.</p>"
+    return Section(title="Overview", content=(words, traffic_lights(found, decays)), fold=(tables.overview(found, decays),))
+
+
+def traffic_lights(found: Sequence, decays: Sequence = ()) -> str:
+    """Return the overview as an HTML table: a row for every channel, a coloured cell for every judged error."""
+    heads, cells = [], {}
+    for n, item in enumerate(found):
+        judged = [("σ", "std", [(c, c.std_error, c.std_verdict) for c in item.channels]), ("mean", "mean", [(c, c.mean_error, c.mean_verdict) for c in item.channels]),
+                  ("RAO", "rao", [(c, c.rao_error, c.rao_verdict) for c in item.channels])]  # fmt: skip
+        for label, key, values in judged:
+            if (label != "σ" and all(v == "not judged" for *_, v in values)) or all(not np.isfinite(e) for _, e, _ in values):
+                continue
+            heads.append((tables.title(item), label))
+            for c, error, verdict in values:
+                cells[c.name, n, label] = (error, getattr(c.tolerance, key), verdict)
+    keys = [(n, label) for n, item in enumerate(found) for label in ("σ", "mean", "RAO") if any(k[1:] == (n, label) for k in cells)]
+    if decays:
+        heads.append(("decay", "period"))
+        keys.append((-1, "period"))
+        cells |= {(d.channel, -1, "period"): (d.period_error, d.tolerance, "within" if d.passed else "outside") for d in decays}
+    names = list(dict.fromkeys(name for name, *_ in cells))
+    spans = [(title, sum(h[0] == title for h in heads)) for title in dict.fromkeys(h[0] for h in heads)]
+    first = "".join(f'<th class="n" colspan="{count}">{_escaped(title)}</th>' for title, count in spans)
+    second = "".join(f'<th class="n">{_escaped(label)} <span class="unit">%, of allowed</span></th>' for _, label in heads)
+    body = "".join(
+        f"<tr><td class='s'>{_escaped(name)}</td>" + "".join(_light(cells.get((name, *key))) for key in keys) + "</tr>" for name in names
+    )
+    return f"<style>{_LIGHTS}</style><div class='table lights'><table><thead><tr><th></th>{first}</tr><tr><th>Channel</th>{second}</tr></thead><tbody>{body}</tbody></table></div>"
+
+
+_COLOURS = {"within": "#1a9850", "within scatter": "#e6a800", "outside": "#d73027", "not judged": "#9aa3ad"}
+_LIGHTS = (
+    ".lights td.n{white-space:nowrap}.light{display:inline-block;width:.72em;height:.72em;border-radius:50%;margin-right:.45em;print-color-adjust:exact;"
+    "-webkit-print-color-adjust:exact}.lights small{color:var(--soft)}.lights thead tr:first-child th{border-bottom:0;padding-bottom:0}"
+)
+
+
+def _light(cell) -> str:
+    if cell is None or not np.isfinite(cell[0]):
+        return "<td class='n'></td>"
+    error, allowed, verdict = cell
+    limit = f" <small>{100 * allowed:g}</small>" if allowed else " <small>–</small>"
+    return (
+        f"<td class='n' title='{_escaped(verdict)}'><span class='light' style='background:{_COLOURS[verdict]}'></span>"
+        f"<span hidden>{_escaped(verdict)}: </span>{100 * error:+.2f}{limit}</td>".replace("+-", "−").replace(">-", ">−")
+    )
 
 
 def _doubts(found, decays) -> Section:
@@ -109,7 +159,7 @@ def _method_section(found) -> Section:
         "kernel, its length, step and lag, besides.",
         "Verdicts: within the tolerance that the study names; else within the 95 % interval of the reference's seeds (only in wind); else outside.",
     )
-    return Section(title="How it was measured", content=("<ul>" + "".join(f"<li>{_escaped(r)}</li>" for r in rules) + "</ul>",))
+    return Section(title="How it was measured", content=(tables.settings(found), "<ul>" + "".join(f"<li>{_escaped(r)}</li>" for r in rules) + "</ul>"))
 
 
 def _provenance(model, found, decays) -> Section:
@@ -134,7 +184,7 @@ def _draw(found, decays, folder: Path, model, figures: bool, progress) -> list:
 
 
 def _workbook(model, found, decays, path: Path) -> None:
-    book = Book()
+    book = _Book()
     book.sheet("Overview", [tables.overview(found, decays)], title=model.case.title)
     doubts = tables.findings(found, decays)
     book.sheet("Doubts", [doubts if doubts is not None else _none("findings", "Doubts about the reference")])

@@ -29,9 +29,9 @@ def overview(found: Sequence, decays: Sequence = ()) -> Table:
     """Return every judged figure of every channel with its verdict: the traffic lights."""
     columns = (
         Column(name="Comparison"), Column(name="Channel"), Column(name=VERDICT), Column(name="σ error", unit="%", decimals=2),
-        Column(name="allowed", unit="%", decimals=1), Column(name="95 % of seeds", unit="±%", decimals=1), Column(name="mean error", unit="%", decimals=2),
-        Column(name="allowed ", unit="%", decimals=1), Column(name="RAO error", unit="%", decimals=2), Column(name="allowed  ", unit="%", decimals=1),
-        Column(name="period error", unit="%", decimals=2), Column(name="allowed   ", unit="%", decimals=1),
+        Column(name="σ allowed", unit="%", decimals=1), Column(name="95 % of seeds", unit="±%", decimals=1), Column(name="mean error", unit="%", decimals=2),
+        Column(name="mean allowed", unit="%", decimals=1), Column(name="RAO error", unit="%", decimals=2), Column(name="RAO allowed", unit="%", decimals=1),
+        Column(name="period error", unit="%", decimals=2), Column(name="period allowed", unit="%", decimals=1),
     )  # fmt: skip
     rows = []
     for item in found:
@@ -56,7 +56,7 @@ def wave_channels(item) -> Table:
         Column(name="Channel"), Column(name="Unit"), Column(name="σ model", decimals=4), Column(name="σ reference", decimals=4),
         *(Column(name=n, unit="%", decimals=2) for n in ("σ error", "same waves", "quadratic drag", "and memory")),
         Column(name="seed scatter", unit="%", decimals=1),
-        *(Column(name=n, unit="%", decimals=2) for n in ("RAO error", "same waves ", "quadratic drag ", "and memory ", "estimator")),
+        *(Column(name=n, unit="%", decimals=2) for n in ("RAO error", "RAO, same waves", "RAO, quadratic drag", "RAO, and memory", "RAO, estimator")),
         Column(name="peak", unit="Hz", decimals=4), Column(name="peak shift", unit="%", decimals=2), Column(name="peak height", unit="%", decimals=1),
         Column(name="coherence", decimals=2), Column(name=VERDICT),
     )  # fmt: skip
@@ -84,7 +84,7 @@ def wind_channels(item) -> Table:
         *(Column(name=n, unit="%", decimals=2) for n in ("σ error", "state's spectra", "hub's wind", "same waves and wind")),
         Column(name="95 % of seeds", unit="±%", decimals=1), Column(name="spectrum error", unit="%", decimals=1),
         Column(name="mean model", decimals=4), Column(name="mean reference", decimals=4), Column(name="mean error", unit="%", decimals=2),
-        Column(name="95 % of seeds ", unit="±%", decimals=1), Column(name="largest, model", decimals=3), Column(name="largest, reference", decimals=3),
+        Column(name="mean error, at rest", unit="%", decimals=2), Column(name="95 % of seeds, mean", unit="±%", decimals=1), Column(name="largest, model", decimals=3), Column(name="largest, reference", decimals=3),
         Column(name="excess kurtosis", decimals=2), Column(name="correlation", decimals=3), Column(name=VERDICT),
     )  # fmt: skip
     rows = []
@@ -93,14 +93,15 @@ def wind_channels(item) -> Table:
         rows.append((
             c.name, unit, c.std_model * factor, c.std_reference * factor, *map(_percent, (
                 c.std_error, c.std_error_state, c.std_error_hub, c.std_error_same_waves, c.interval, c.rao_error)), c.mean_model * factor,
-            c.mean_reference * factor, _percent(c.mean_error), _percent(c.mean_interval), c.extreme_model * factor, c.extreme_reference * factor,
+            c.mean_reference * factor, _percent(c.mean_error), _percent(c.mean_error_rest), _percent(c.mean_interval), c.extreme_model * factor, c.extreme_reference * factor,
             c.excess_kurtosis, c.correlation_same_waves, c.verdict,
         ))  # fmt: skip
     own = "the wind that the reference's rotor felt (from its thrust)" if item.felt_wind else "the state's wind"
     note = (
         f"σ error: in the reference's waves and {own}; state's spectra: nothing taken from the records; hub's wind: the state's wind scaled to the reference's "
         "spectrum at the hub; same waves and wind: driven by both as time series, without gradients and blade passing; correlation: of that prediction "
-        "with the reference. 95 % of seeds: half width of the reference's own interval (Student's t). Largest: expected and found deviation from the mean."
+        "with the reference. Mean error: with the moorings' mean force while the floater moves"
+        f"{' and the mean thrust of the records' if item.felt_wind else ''}; at rest: the mean position of the model without both. 95 % of seeds: half width of the reference's own interval (Student's t). Largest: expected and found deviation from the mean."
     )
     return Table(name="validation", title=f"State {item.state}: model against {len(item.files)} time series", columns=columns, rows=tuple(rows), note=note)
 
@@ -143,8 +144,8 @@ def lack(item) -> Table | None:
         return None
     columns = (
         Column(name="Motion"), Column(name="Natural frequency", unit="Hz", decimals=5), Column(name="Damping ratio", unit="%", decimals=2),
-        Column(name="Damping to add", unit="% of critical", decimals=3), Column(name="±", unit="%", decimals=3), Column(name="of the model's", unit="%", decimals=1),
-        Column(name="Stiffness to add", unit="%", decimals=2), Column(name="± ", unit="%", decimals=2),
+        Column(name="Damping to add", unit="% of critical", decimals=3), Column(name="standard error", unit="%", decimals=3), Column(name="of the model's", unit="%", decimals=1),
+        Column(name="Stiffness to add", unit="%", decimals=2), Column(name="its standard error", unit="%", decimals=2),
         Column(name="Error before", unit="%", decimals=2), Column(name="after", unit="%", decimals=2),
         Column(name="Damping to add, SI", scientific=3), Column(name="Stiffness to add, SI", scientific=3),
     )  # fmt: skip

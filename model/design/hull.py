@@ -128,7 +128,13 @@ class FloatingHull:
 
 
 def float_hull(
-    hull: SemiHull, *, carried_mass: float, carried_height: float, mooring_pull=0.0, density: float = 1025.0, gravity: float = 9.80665
+    hull: SemiHull,
+    *,
+    carried_mass: float,
+    carried_height: float,
+    mooring_pull=0.0,
+    density: float = 1025.0,
+    gravity: float = 9.80665,
 ) -> FloatingHull:
     """Return the hull ballasted to float at its draft under a turbine and moorings.
 
@@ -173,10 +179,18 @@ def _problems(hull: SemiHull, ballast, room, metacentric):
     yield say(plate / 2 + hull.central_diameter / 2 >= r, "heave plates of {:.1f} m reach the central column at a radius of {:.1f} m; take a larger radius",
               plate, r)  # fmt: skip
     yield say(2 * hull.column_wall >= d, "walls of {:.3f} m fill the columns of {:.1f} m", hull.column_wall, d)
-    yield say(ballast < 0, "steel and carried loads weigh {:.3g} kg more than the displaced water; take a larger diameter or draft", -ballast)
+    yield say(
+        ballast < 0,
+        "steel and carried loads weigh {:.3g} kg more than the displaced water; take a larger diameter or draft",
+        -ballast,
+    )
     yield say(ballast > room, "ballast of {:.3g} kg does not fit below the columns' tops ({:.3g} kg); take a heavier ballast or a smaller hull",
               ballast, room)  # fmt: skip
-    yield say(metacentric <= 0, "the metacentric height is {:.2f} m; take a larger radius or diameter, or denser ballast", metacentric)
+    yield say(
+        metacentric <= 0,
+        "the metacentric height is {:.2f} m; take a larger radius or diameter, or denser ballast",
+        metacentric,
+    )
 
 
 def cylinder(density, radius, bottom, top, distance=0.0, count: int = 1, name: str = "") -> Part:
@@ -185,7 +199,13 @@ def cylinder(density, radius, bottom, top, distance=0.0, count: int = 1, name: s
     mass = count * density * np.pi * radius**2 * height
     centre = (top + bottom) / 2
     horizontal = mass * (radius**2 / 4 + height**2 / 12 + centre**2 + (np.asarray(distance) ** 2 / 2))
-    return Part(name=name, mass=mass, height=centre, horizontal=horizontal, vertical=mass * (radius**2 / 2 + np.asarray(distance) ** 2))
+    return Part(
+        name=name,
+        mass=mass,
+        height=centre,
+        horizontal=horizontal,
+        vertical=mass * (radius**2 / 2 + np.asarray(distance) ** 2),
+    )
 
 
 def tube_part(density, radius, wall, start, end, name: str = "") -> Part:
@@ -207,7 +227,11 @@ def combined(name: str, parts) -> Part:
     moment = sum(p.mass * p.height for p in parts)
     safe = np.where(mass == 0, 1.0, mass)
     return Part(
-        name=name, mass=mass, height=moment / safe, horizontal=sum(p.horizontal for p in parts), vertical=sum(p.vertical for p in parts)
+        name=name,
+        mass=mass,
+        height=moment / safe,
+        horizontal=sum(p.horizontal for p in parts),
+        vertical=sum(p.vertical for p in parts),
     )
 
 
@@ -338,14 +362,18 @@ def platform_body(floating: FloatingHull) -> RigidBody:
     if floating.hull.shape != ():
         raise ValueError(f"one design is needed, these are {floating.hull.shape}")
     return RigidBody(
-        mass=float(floating.mass), centre=np.array([0.0, 0.0, float(floating.centre_of_mass)]), inertia=np.diag(floating.inertia)
+        mass=float(floating.mass),
+        centre=np.array([0.0, 0.0, float(floating.centre_of_mass)]),
+        inertia=np.diag(floating.inertia),
     )
 
 
 DRAG = {"column": 0.61, "plate": 0.68, "central": 0.56, "brace": 0.63, "plate_axial": 9.6}
 
 
-def drag_members(hull: SemiHull, *, density: float = 1025.0, strip: float = 3.0, coefficients: dict = DRAG) -> DragMembers:
+def drag_members(
+    hull: SemiHull, *, density: float = 1025.0, strip: float = 3.0, coefficients: dict = DRAG
+) -> DragMembers:
     """Return one design's drag elements below still water: strips of about `strip` [m], and the bottoms of the heave plates.
 
     coefficients: transverse Cd of columns, plates (their sides), central column and braces; plate_axial is HydroDyn's AxCd of
@@ -358,7 +386,10 @@ def drag_members(hull: SemiHull, *, density: float = 1025.0, strip: float = 3.0,
     z = np.array([0.0, 0.0, 1.0])
     members = [(keel * z, 0 * z, hull.central_diameter, coefficients["central"])]
     for p in places:
-        members += [(p + shelf * z, p, hull.diameter, coefficients["column"]), (p + keel * z, p + shelf * z, hull.plate_diameter, coefficients["plate"])]
+        members += [
+            (p + shelf * z, p, hull.diameter, coefficients["column"]),
+            (p + keel * z, p + shelf * z, hull.plate_diameter, coefficients["plate"]),
+        ]
     for _, start, end in wet_braces(hull):
         for a in (0.0, 2 * np.pi / 3, 4 * np.pi / 3):
             turn = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1.0]])

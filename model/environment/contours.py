@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import HalfspaceIntersection
 from scipy.special import chdtrc, log_ndtr, ndtri
 
 from model.conventions import freeze
@@ -241,8 +242,8 @@ def highest_density_contour(model: JointModel, probability: float, count: int = 
 
 
 def direct_sampling_contour(states, probability: float, count: int = 181, total: int | None = None) -> np.ndarray:
-    """Return the contour (count, 2) of two variables from a sample: corners of the tangents that leave `probability`
-    beyond.
+    """Return the contour (k, 2) of two variables from a sample: the polygon of `count` tangents that leave `probability`
+    beyond each, a closed line.
 
     states (n, 2), a sample of the joint distribution or the record itself; of a sample of `total` states those that can
     lie beyond a tangent are enough. Raises ValueError for fewer than ten states beyond. Source: Huseby, Vanem and Natvig
@@ -261,15 +262,14 @@ def direct_sampling_contour(states, probability: float, count: int = 181, total:
     cos, sin = np.cos(angle), np.sin(angle)
     along = (scaled[:, 0] * c + scaled[:, 1] * s for c, s in zip(cos[:-1], sin[:-1], strict=True))
     tangent = np.array([np.partition(a, rank)[rank] for a in along])
-    after, ahead = np.roll(tangent, -1), angle[1] - angle[0]
-    across = (after - tangent * np.cos(ahead)) / np.sin(ahead)
-    cos, sin = cos[:-1], sin[:-1]
-    corner = np.stack([tangent * cos - across * sin, tangent * sin + across * cos], axis=-1)
+    planes = np.stack([cos[:-1], sin[:-1], -tangent], axis=-1)
+    corner = HalfspaceIntersection(planes, np.zeros(2)).intersections
+    corner = corner[np.argsort(np.arctan2(corner[:, 1], corner[:, 0]))]
     return mean + std * np.vstack([corner, corner[:1]])
 
 
-def sampled_contour(model: JointModel, probability: float, rng: np.random.Generator, count: int = 181) -> np.ndarray:
-    """Return the contour by direct sampling (count, 2) of a joint distribution of two variables.
+def sampled_contour(model: JointModel, probability: float, rng: np.random.Generator, count: int = 91) -> np.ndarray:
+    """Return the contour by direct sampling (k, 2) of a joint distribution of two variables, a closed line.
 
     Draws fifty states beyond each tangent, at most twenty million in all; those near the middle (within 2 of the
     standard normal variables) are thrown away at once, since no rare half-plane holds them. Raises ValueError for a

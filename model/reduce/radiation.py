@@ -25,8 +25,8 @@ TARGET = 0.005  # of the peak, and of any response
 PASSIVE = 1e-5  # largest negative eigenvalue of the scaled damping matrix that counts as rounding
 RESPONSE = 0.6  # what a relative error of a response counts beside an error of K relative to its peak
 MOST = 1000.0  # that responses may raise the weight of an error above that of a fraction of the peak
-ORDERS = range(6, 30, 2)
-PATIENCE = 10  # fits tried without a tenth of gain before more poles are held to be of no use
+ORDERS = (8, 12, 14, 16, 18, 20, 22, 24, 26, 28)
+PATIENCE = 6  # fits tried without a tenth of gain before more poles are held to be of no use
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -22,7 +22,8 @@ from model.system.drag import element_motion, linear_drag, resisted_directions
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Decay:
     """A free decay: period [s] (damped), linear damping ratio and quadratic (per unit of amplitude), offset, first amplitude and phase [rad];
-    the cycles' mean amplitude (k), period (k) [s] and damping ratio (k) by logarithmic decrement; the fitted history (t) on time (t)
+    mean amplitude (k), period (k) [s] and damping ratio (k) of the cycles by logarithmic decrement, over as many as lose a
+    seventh of the amplitude; the fitted history (t) on time (t)
     [s]; residual, the part of the record's variance that the fit leaves.
     """
 
@@ -75,13 +76,15 @@ def free_decay(time, motion, period: float) -> Decay:
 
     x = least_squares(residual, guess, x_scale=scale).x
     left = np.var(_history(x, time) - motion) / np.var(motion)
-    cycle = np.abs(value[:-2] - value[1:-1]) / 2, np.abs(value[1:-1] - value[2:]) / 2
-    large = cycle[1] > 0.03 * half[0]
+    apart = int(np.clip(np.ceil(0.15 / (np.pi * max(x[1] + x[2] * half.mean(), 1e-4))), 1, max(len(half) - 2, 1)))
+    first, last = half[:-apart], half[apart:]
+    large = last > 0.03 * half[0]
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.log(cycle[0] / cycle[1]) / np.pi
+        ratio = np.log(first / last) / (apart * np.pi)
+    periods = (where[1 + apart :] - where[: -1 - apart]) * 2 / (1 + apart)
     return Decay(
         period=2 * np.pi / x[0], linear=x[1], quadratic=x[2], offset=x[5], start=x[3], phase=x[4],
-        amplitude=np.sqrt(cycle[0] * cycle[1])[large], cycle_period=(where[2:] - where[:-2])[large], cycle_damping=ratio[large],
+        amplitude=np.sqrt(first * last)[large], cycle_period=periods[large], cycle_damping=ratio[large],
         time=time, fitted=_history(x, time), residual=float(left),
     )  # fmt: skip
 
@@ -113,7 +116,7 @@ def extremes(time, motion, period: float) -> tuple[np.ndarray, np.ndarray]:
     centre = np.median(smooth[-len(smooth) // 3 :])
     for k in turn:
         up = smooth[k] > smooth[k - 1]
-        if kept and (smooth[kept[-1]] > smooth[kept[-1] - 1]) == up or kept and time[k] - time[kept[-1]] < period / 3:
+        if (kept and (smooth[kept[-1]] > smooth[kept[-1] - 1]) == up) or (kept and time[k] - time[kept[-1]] < period / 3):
             if abs(smooth[k] - centre) > abs(smooth[kept[-1]] - centre):
                 kept[-1] = k
         elif time[k] - time[0] > period / 8:

@@ -15,7 +15,18 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from model.conventions import frozen
 
-REDUCED = ((0, 0, 0, 1), (1, 1, 0, 1), (2, 2, 1, 1), (3, 3, 2, 1), (4, 4, 2, 1), (5, 5, 3, 1), (0, 4, 4, 1), (4, 0, 4, 1), (1, 3, 4, -1), (3, 1, 4, -1))
+REDUCED = (
+    (0, 0, 0, 1),
+    (1, 1, 0, 1),
+    (2, 2, 1, 1),
+    (3, 3, 2, 1),
+    (4, 4, 2, 1),
+    (5, 5, 3, 1),
+    (0, 4, 4, 1),
+    (4, 0, 4, 1),
+    (1, 3, 4, -1),
+    (3, 1, 4, -1),
+)
 MIRROR = np.array([1.0, -1, 1, -1, 1, -1])
 TAIL_POWERS = (2.0, 4.0, 2.0)
 
@@ -46,7 +57,9 @@ class HydroDatabase:
         grid = (len(self.diameter), len(self.radius), len(self.draft))
         want = (len(self.inverse_depth), *grid, len(self.scaled_frequency), 10 + 12 * len(self.heading))
         if np.shape(self.values) != want or np.shape(self.infinite) != (*grid, 5):
-            raise ValueError(f"values have shape {np.shape(self.values)} and infinite {np.shape(self.infinite)}, need {want} and {(*grid, 5)}")
+            raise ValueError(
+                f"values have shape {np.shape(self.values)} and infinite {np.shape(self.infinite)}, need {want} and {(*grid, 5)}"
+            )
         if not (np.all(np.isfinite(self.values)) and np.all(np.isfinite(self.infinite))):
             raise ValueError("the database has a value that is not a finite number; is it complete?")
         if self.scaled_frequency[0] != 0:
@@ -55,7 +68,9 @@ class HydroDatabase:
     @cached_property
     def splines(self) -> np.ndarray:
         """Cubic B-spline coefficients (h, a, b, c, n, quantities) of the values along the scaled frequency."""
-        return make_interp_spline(self.scaled_frequency, np.asarray(self.values, dtype=float), k=3, axis=4).c.transpose(1, 2, 3, 4, 0, 5)
+        return make_interp_spline(self.scaled_frequency, np.asarray(self.values, dtype=float), k=3, axis=4).c.transpose(
+            1, 2, 3, 4, 0, 5
+        )
 
     @cached_property
     def knots(self) -> np.ndarray:
@@ -89,7 +104,9 @@ def interpolate(database: HydroDatabase, designs, omega, heading=(0.0,), *, dept
     designs, omega, heading = _checked(database, designs, omega, heading)
     table = _table(database, depth, heading)
     weights, _ = _weights(database, designs)
-    values = _at_frequencies(database, (weights @ table.reshape(len(table), -1)).reshape(len(designs), *table.shape[1:]), designs, omega)
+    values = _at_frequencies(
+        database, (weights @ table.reshape(len(table), -1)).reshape(len(designs), *table.shape[1:]), designs, omega
+    )
     infinite = weights @ database.infinite.reshape(-1, 5)
     zero = weights @ table[:, 0, :5]
     added, damping, excitation = _tails(database, values, infinite, designs, omega, len(heading))
@@ -99,7 +116,9 @@ def interpolate(database: HydroDatabase, designs, omega, heading=(0.0,), *, dept
     )  # fmt: skip
 
 
-def derivative(database: HydroDatabase, designs, omega, heading=(0.0,), *, depth: float = np.inf) -> dict[str, np.ndarray]:
+def derivative(
+    database: HydroDatabase, designs, omega, heading=(0.0,), *, depth: float = np.inf
+) -> dict[str, np.ndarray]:
     """Return the derivatives of the coefficients by diameter, radius and draft: added_mass, radiation_damping (3, N, n, 6, 6),
     excitation (3, N, m, n, 6), added_mass_infinite (3, N, 6, 6), each per metre.
 
@@ -202,7 +221,9 @@ def _checked(database: HydroDatabase, designs, omega, heading):
         nodes, x = getattr(database, name), designs[:, k]
         outside = (x < nodes[0] - 1e-9) | (x > nodes[-1] + 1e-9)
         if np.any(outside):
-            raise ValueError(f"{name} {x[outside][0]:g} m lies outside the database ({nodes[0]:g} to {nodes[-1]:g} m); build one that reaches it")
+            raise ValueError(
+                f"{name} {x[outside][0]:g} m lies outside the database ({nodes[0]:g} to {nodes[-1]:g} m); build one that reaches it"
+            )
     return designs, np.atleast_1d(np.asarray(omega, dtype=float)), np.atleast_1d(np.asarray(heading, dtype=float))
 
 
@@ -211,13 +232,17 @@ def _table(database: HydroDatabase, depth: float, heading: np.ndarray) -> np.nda
     inverse = 1.0 / depth
     if not 0 <= inverse <= database.inverse_depth.max() * (1 + 1e-9):
         shallow = 1 / database.inverse_depth.max() if database.inverse_depth.max() > 0 else np.inf
-        raise ValueError(f"the depth is {depth:g} m, the database holds {shallow:g} m and deeper; build one for that depth")
+        raise ValueError(
+            f"the depth is {depth:g} m, the database holds {shallow:g} m and deeper; build one for that depth"
+        )
     share, _ = lagrange(database.inverse_depth, np.array([inverse]))
     table = np.tensordot(share[0], database.splines, axes=1)
     table = table.reshape(-1, *table.shape[3:])
     turn = heading_map(database.heading, heading).reshape(6 * len(heading), -1)
     half = 6 * len(database.heading)
-    return np.concatenate([table[..., :10], table[..., 10 : 10 + half] @ turn.T, table[..., 10 + half :] @ turn.T], axis=-1)
+    return np.concatenate(
+        [table[..., :10], table[..., 10 : 10 + half] @ turn.T, table[..., 10 + half :] @ turn.T], axis=-1
+    )
 
 
 def _weights(database: HydroDatabase, designs: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -231,7 +256,9 @@ def _weights(database: HydroDatabase, designs: np.ndarray) -> tuple[np.ndarray, 
     return product((0, 0, 0)), [product(tuple(int(j == k) for j in range(3))) for k in range(3)]
 
 
-def _at_frequencies(database: HydroDatabase, table: np.ndarray, designs: np.ndarray, omega: np.ndarray, order: int = 0) -> np.ndarray:
+def _at_frequencies(
+    database: HydroDatabase, table: np.ndarray, designs: np.ndarray, omega: np.ndarray, order: int = 0
+) -> np.ndarray:
     """Return values (N, frequencies, quantities), or their derivative by s, of spline coefficients (N, n, quantities)."""
     s = np.minimum(omega * np.sqrt(designs[:, 1, None] / database.gravity), database.scaled_frequency[-1])
     n = len(database.scaled_frequency)

@@ -132,7 +132,9 @@ def test_cylinders_and_tubes_have_the_moments_of_bodies():
     point_mass = tube.mass / 3 / len(points)
     # 400 slices of a line 11 m long: the midpoint rule is good to 1e-6
     assert tube.vertical == pytest.approx(3 * point_mass * np.sum(points[:, :2] ** 2), rel=1e-5)
-    both = point_mass * np.array([np.sum(points[:, 1] ** 2 + points[:, 2] ** 2), np.sum(points[:, 0] ** 2 + points[:, 2] ** 2)])
+    both = point_mass * np.array(
+        [np.sum(points[:, 1] ** 2 + points[:, 2] ** 2), np.sum(points[:, 0] ** 2 + points[:, 2] ** 2)]
+    )
     assert tube.horizontal == pytest.approx(3 * both.mean(), rel=1e-5)
 
 
@@ -143,7 +145,10 @@ def test_cylinders_and_tubes_have_the_moments_of_bodies():
         ({"radius": 17.5, "plate_ratio": 2.0}, "central column"),
         ({"draft": 5.0}, "heave plates' height"),
         ({"column_wall": 0.9}, "displaced water"),
-        ({"radius": 30.0, "diameter": 6.0, "plate_ratio": 1.5, "ballast_density": 9000.0}, "metacentric height|displaced water"),
+        (
+            {"radius": 30.0, "diameter": 6.0, "plate_ratio": 1.5, "ballast_density": 9000.0},
+            "metacentric height|displaced water",
+        ),
         ({"ballast_density": 200.0}, "does not fit"),
     ],
 )
@@ -178,7 +183,13 @@ def test_steel_and_lines_are_where_they_belong():
     assert {p.name for p in steel_parts(OC4)} >= {"offset columns", "cross braces", "heave plate bottoms"}
     assert all(end[2] <= 1e-12 for _, _, end in wet_braces(OC4))
     lines = three_line_mooring(
-        OC4, anchor_radius=837.6, length=835.35, mass_per_length=113.35, diameter=0.0766, axial_stiffness=7.536e8, depth=200.0
+        OC4,
+        anchor_radius=837.6,
+        length=835.35,
+        mass_per_length=113.35,
+        diameter=0.0766,
+        axial_stiffness=7.536e8,
+        depth=200.0,
     )
     from model.system.mooring import mooring_state
 
@@ -187,5 +198,7 @@ def test_steel_and_lines_are_where_they_belong():
     assert state.stiffness[0, 0] == pytest.approx(7.08e4, rel=0.01)
     # OpenFAST v5.0.0 with MAP++ at the equilibrium of the parked turbine (2 mm and 0.08 deg away): 1,107,308 N
     assert state.fairlead_tension == pytest.approx(1.1073e6, rel=2e-3)
-    body = platform_body(float_hull(OC4, carried_mass=RNA_AND_TOWER, carried_height=70.0, mooring_pull=-float(state.force[2])))
+    body = platform_body(
+        float_hull(OC4, carried_mass=RNA_AND_TOWER, carried_height=70.0, mooring_pull=-float(state.force[2]))
+    )
     assert body.centre[2] < -10

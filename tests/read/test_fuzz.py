@@ -178,6 +178,17 @@ def test_text(tmp_path, name):
     fuzz_text(tmp_path, name, 150)
 
 
+@pytest.mark.parametrize("name", TEXTS)
+def test_cut_after_every_line(tmp_path, name):
+    """Each is refused, or read as the shorter table that it is."""
+    text, read = TEXTS[name]
+    lines = text.splitlines(keepends=True)
+    cuts = ["".join(lines[:k]).encode("latin-1", errors="replace") for k in range(len(lines))]
+    good, bad = outcomes(tmp_path / "a.dat", cuts, read)
+    assert good + bad == len(lines)
+    assert bad > 0
+
+
 @pytest.mark.parametrize("name", BYTES)
 def test_bytes(tmp_path, name):
     fuzz_bytes(tmp_path, name, 120)

@@ -211,3 +211,11 @@ def test_every_body_is_inspected(tmp_path):
     assert labels[0] == "bodies"
     assert "body 1: periods" in labels
     assert "body 2: periods" in labels
+
+
+def test_every_format_is_in_the_page_of_formats():
+    """By the first word of its name and every suffix in it."""
+    page = (FOLDER.parents[1] / "docs" / "formats.md").read_text(encoding="utf-8").lower()
+    for own in fowtio.read.FORMATS:
+        for word in [own.name.split()[0], *re.findall(r"(?<!\w)\.\w+", own.name)]:
+            assert word.lower() in page, (own.name, word)

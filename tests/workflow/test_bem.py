@@ -126,7 +126,9 @@ def test_a_stopped_run_goes_on_and_files_read_back(tmp_path, monkeypatch):
     hydro, quality = run_bem(hull, tmp_path / "out", jobs=1)
     (tmp_path / "out" / "solved" / "omega_0.800000.npz").unlink()
     again = module.solve_one
-    monkeypatch.setattr(module, "solve_one", lambda hull, omega, folder: seen.append(omega) or again(hull, omega, folder))
+    monkeypatch.setattr(
+        module, "solve_one", lambda hull, omega, folder: seen.append(omega) or again(hull, omega, folder)
+    )
     second, _ = run_bem(hull, tmp_path / "out", jobs=1)
     assert seen == [pytest.approx(0.8)]
     # the fit of the finite-depth Green function is not the same to the last digit
@@ -176,7 +178,9 @@ def test_database_is_built_resumed_packed_and_its_damage_found(tmp_path):
     database = collect(plan, tmp_path / "work")
     path = write_database(database, tmp_path / "family.nc", plan)
     back = read_database(path)
-    assert np.allclose(back.values, database.values, rtol=1e-6, atol=1e-6 * np.abs(database.values).max(axis=(0, 1, 2, 3, 4)))
+    assert np.allclose(
+        back.values, database.values, rtol=1e-6, atol=1e-6 * np.abs(database.values).max(axis=(0, 1, 2, 3, 4))
+    )
     assert np.any(back.values[0] != back.values[1])  # the bottom is felt
     raw = bytearray(path.read_bytes())
     import h5py
@@ -196,7 +200,9 @@ def test_bem_command_reports_as_json(tmp_path):
     from fowtio.cli import app
 
     (tmp_path / "spar.toml").write_text(SPAR)
-    result = CliRunner().invoke(app, ["bem", str(tmp_path / "spar.toml"), "-o", str(tmp_path / "o"), "--jobs", "1", "--json"])
+    result = CliRunner().invoke(
+        app, ["bem", str(tmp_path / "spar.toml"), "-o", str(tmp_path / "o"), "--jobs", "1", "--json"]
+    )
     assert result.exit_code == 0, result.output
     document = json.loads(result.stdout)
     assert document["volume"] == pytest.approx(np.pi * 16 * 20, rel=1e-9)

@@ -83,7 +83,9 @@ def test_a_written_study_is_the_same_system(tmp_path, database):
 
 def test_coefficients_of_the_database_are_physical(database):
     hydro = semi_hydro(design().floating(), 200.0, database=database)
-    scaled = hydro.radiation_damping / np.sqrt(np.outer(d := np.abs(hydro.radiation_damping[:, range(6), range(6)]).max(axis=0), d))
+    scaled = hydro.radiation_damping / np.sqrt(
+        np.outer(d := np.abs(hydro.radiation_damping[:, range(6), range(6)]).max(axis=0), d)
+    )
     assert np.linalg.eigvalsh(scaled).min() > -1e-9
     assert np.array_equal(hydro.added_mass, np.swapaxes(hydro.added_mass, 1, 2))
     # long waves lift the waterplane: X3 -> C33 (columns alone: braces' share 0.1 %)
@@ -102,12 +104,25 @@ def test_hulls_outside_the_family_are_sent_to_bem(database):
     with pytest.raises(ModelError, match="solve this one with fowtio bem"):
         semi_hydro(semi.floating(), 200.0, database=database)
     with pytest.raises(ModelError, match="diameter 13 m lies outside"):
-        semi_hydro(SemiDesign(hull=thesis_hull(13.0, 40.0, 26.0), anchor_radius=837.6, length=835.0).floating(), 200.0, database=database)
+        semi_hydro(
+            SemiDesign(hull=thesis_hull(13.0, 40.0, 26.0), anchor_radius=837.6, length=835.0).floating(),
+            200.0,
+            database=database,
+        )
 
 
 def test_values_are_replaced_by_name():
     text = '   12.5   PtfmMass    - mass\n"a b"   PotFile  - root\n'
-    assert set_values(text, {"PtfmMass": "7", "PotFile": '"x"'}).split() == ["7", "PtfmMass", "-", "mass", '"x"', "PotFile", "-", "root"]
+    assert set_values(text, {"PtfmMass": "7", "PotFile": '"x"'}).split() == [
+        "7",
+        "PtfmMass",
+        "-",
+        "mass",
+        '"x"',
+        "PotFile",
+        "-",
+        "root",
+    ]
     with pytest.raises(KeyError, match="Draft"):
         set_values(text, {"Draft": "1"})
 

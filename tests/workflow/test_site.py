@@ -64,6 +64,24 @@ def test_the_contour_command_gives_the_table_of_the_thesis():
         assert found[speed]["tp_at_max_hs"] == pytest.approx(period, rel=0.01)
 
 
+def test_a_record_of_two_quantities_gives_contours_in_their_plane(record, tmp_path):
+    frame = pd.read_csv(record).drop(columns="wind speed (m/s)")
+    path = tmp_path / "waves.csv"
+    frame.to_csv(path, index=False)
+    # a quarter of a year: few enough draws for a test
+    result = run("contour", path, "--return-period", 0.25, "--json", "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    assert document["variables"] == ["significant_height", "peak_period"]
+    assert set(document["contours"]) == {"iform", "highest_density", "direct_sampling"}
+    beyond = np.quantile(frame["Hs (m)"], 1 - 1 / (0.25 * 8766))
+    # twelve states of the record lie beyond: 30 % of the number, a tenth of that in height; the fit adds as much again
+    assert document["largest"]["iform"][0] == pytest.approx(beyond, rel=0.15)
+    assert document["largest"]["direct_sampling"][0] == pytest.approx(document["largest"]["iform"][0], rel=0.05)
+    assert document["largest"]["highest_density"][0] > document["largest"]["iform"][0]  # it leaves less outside in all
+    assert {"contour.html", "contour.xlsx", "contours.png"} <= {p.name for p in (tmp_path / "out").rglob("*")}
+
+
 def test_chosen_speeds_and_other_heights():
     plain = json.loads(run("contour", "sardinia", "--speed", 11, "--json").stdout)["isolines"]
     assert [line["hub_wind_speed"] for line in plain] == [11]
@@ -120,7 +138,7 @@ def test_a_bad_record_is_counted_and_never_used(record, tmp_path):
     frame.loc[10:19, "Hs (m)"] = -1.0
     frame.loc[50:52, "Tp (s)"] = 9999.0
     frame = frame.drop(index=range(1000, 1000 + 14 * 24))
-    frame = pd.concat([frame.iloc[:500], frame.iloc[490:500], frame.iloc[500:]])  # ten hours twice
+    frame = pd.concat([frame.iloc[:500], frame.iloc[490:500], frame.iloc[500:]])  # ten hours twice, so one out of order
     path = tmp_path / "bad.csv"
     frame.to_csv(path, index=False)
     found = read_metocean(path)
@@ -130,6 +148,7 @@ def test_a_bad_record_is_counted_and_never_used(record, tmp_path):
         "10 significant height out of range",
         "3 peak period sentinels",
         "10 duplicated rows",
+        "1 rows out of order",
         "gaps of 336 steps",
     ):
         assert words in text
