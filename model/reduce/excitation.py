@@ -17,7 +17,7 @@ from model.reduce.rational import RationalFit, fit, realisation
 from model.response.solve import Response
 from model.system.hydro import HydroCoefficients, excitation_at
 
-TARGET = 0.012
+TARGET = 0.006
 SHIFTS = (12.0, 16.0, 20.0)
 ORDERS = (44, 60, 72, 84)
 CAP = 10.0  # that a relative error of a force may count above one, where forces nearly cancel in a response
