@@ -19,18 +19,25 @@ _PUBLIC = {
     "read_deck": "fowtio.read.openfast_deck",
     "read_timeseries": "fowtio.read.openfast_out:read_openfast_out",
     "read_linearisation": "fowtio.read.openfast_lin:read_openfast_lin",
-    "read_wamit": "fowtio.read.wamit",
+    "read_hydro": "fowtio.read.hydro_any",
+    "convert": "fowtio.convert",
+    "load_site": "fowtio.site",
+    "contour_study": "fowtio.contour_study",
+    "fatigue_study": "fowtio.fatigue_study",
+    "cost_study": "fowtio.cost_study",
     "write_results": "fowtio.write.results",
     "FowtioError": "fowtio.errors",
     "FormatError": "fowtio.errors",
     "CaseError": "fowtio.errors",
     "ModelError": "fowtio.errors",
 }
-__all__ = ["__version__", *_PUBLIC]
+__all__ = ["__version__", "read", *_PUBLIC]
 
 
 def __getattr__(name: str):
     """Import a public name when it is first used, so that `import fowtio` stays fast."""
+    if name == "read":
+        return importlib.import_module("fowtio.read")
     if name not in _PUBLIC:
         raise AttributeError(f"module 'fowtio' has no attribute {name!r}")
     module, _, attribute = _PUBLIC[name].partition(":")

@@ -9,8 +9,7 @@ from pathlib import Path
 
 from fowtio.validation import Validation
 from fowtio.write import tables
-from fowtio.write.quantities import people
-from fowtio.write.table import Column, Table
+from fowtio.write.table import Table
 from model.response.cummins import consistency_rows
 
 

@@ -331,12 +331,14 @@ def _check_modules(record: Linearisation, made_by: Deck) -> None:
     if not record.modules:
         return
     linked = {name.lower().split()[0] for name in record.modules}
-    for name, present in (("HydroDyn", made_by.hydrodyn is not None), ("MAP++", made_by.mooring is not None)):
-        if (name.lower() in linked) != present:
-            has, not_ = ("was", "does not use") if name.lower() in linked else ("was not", "uses")
+    wanted = ((("HydroDyn",), made_by.hydrodyn is not None), (("MAP++", "MoorDyn"), made_by.mooring is not None))
+    for names, present in wanted:
+        there = any(name.lower() in linked for name in names)
+        if there != present:
+            has, not_ = ("was", "does not use it") if there else ("was not", "does")
             raise FormatError(
                 record.source, expected=f"the modules of {made_by.path}", found=", ".join(record.modules),
-                hint=f"{name} {has} linked, but the deck {not_} it; name in LinDeck the deck that made the file",
+                hint=f"{' or '.join(names)} {has} linked, but the deck {not_}; name in LinDeck the deck that made the file",
             )  # fmt: skip
 
 

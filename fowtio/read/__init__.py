@@ -5,6 +5,9 @@ Importing this package imports no reader: each is loaded when it is first needed
 
 from __future__ import annotations
 
+import sys
+import types
+
 from fowtio.read.registry import Format, Inspection, describe, formats, inspect, read_any, recognise
 
 __all__ = ["FORMATS", "Format", "Inspection", "describe", "formats", "inspect", "read_any", "recognise"]
@@ -15,3 +18,14 @@ def __getattr__(name: str):
     if name == "FORMATS":
         return formats()
     raise AttributeError(f"module 'fowtio.read' has no attribute {name!r}")
+
+
+class _Callable(types.ModuleType):
+    """The package itself can be called: `fowtio.read(path)` is `read_any(path)`."""
+
+    def __call__(self, path):
+        """Return the typed data of any supported file."""
+        return read_any(path)
+
+
+sys.modules[__name__].__class__ = _Callable

@@ -23,7 +23,7 @@ from model.system.hydro import HydroCoefficients, infinite_added_mass, radiation
 SIGNIFICANT = 0.01  # of the geometric mean of the two diagonal peaks
 TARGET = 0.005  # of the peak, and of any response
 PASSIVE = 1e-5  # largest negative eigenvalue of the scaled damping matrix that counts as rounding
-RESPONSE = 0.6  # what a relative error of a response counts beside an error of K relative to its peak
+RESPONSE = 0.5  # what a relative error of a response counts beside an error of K relative to its peak
 MOST = 1000.0  # that responses may raise the weight of an error above that of a fraction of the peak
 ORDERS = (8, 12, 14, 16, 18, 20, 22, 24, 26, 28)
 PATIENCE = 6  # fits tried without a tenth of gain before more poles are held to be of no use
@@ -172,11 +172,16 @@ def _fit_block(omega, data, urgent, inside, target: float, orders) -> _Passive:
         for real in (2, 0):
             found, _ = fit(omega, g, weight, starting_poles(order, 4 * low, high, real), order="fast", part=part)
             tried.append(_enforce_passivity(omega, g, weight, part, found.poles, scale))
-        errors = [t.error for t in tried]
+        errors = [_rank(t)[1] + 10.0 * _rank(t)[0] for t in tried]
         if min(errors) <= target or min(errors) > 0.9 * min(errors[:-PATIENCE], default=np.inf):
             break
-    enough = max(target, 1.1 * min(t.error for t in tried))
-    return next(t for t in tried if t.error <= enough)
+    enough = max(target, 1.1 * min(errors))
+    return next(t for t, e in zip(tried, errors, strict=True) if e <= enough)
+
+
+def _rank(fit: _Passive) -> tuple[bool, float]:
+    """Order fits: passive ones first, then by error."""
+    return fit.after < -PASSIVE, fit.error
 
 
 def _weights(omega, values, inside, peak, need) -> np.ndarray:
@@ -212,7 +217,7 @@ def _stack(parts) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return a, b, c
 
 
-def _enforce_passivity(omega, g, weight, part, poles, scale, rounds: int = 16) -> _Passive:
+def _enforce_passivity(omega, g, weight, part, poles, scale, rounds: int = 12) -> _Passive:
     """Return the best fit of G (n, c) with given poles whose damping matrix is nowhere negative.
 
     Least squares under the linear conditions u^T Re K(i omega) u >= 0, u the eigenvector of a negative minimum, which are
@@ -230,8 +235,8 @@ def _enforce_passivity(omega, g, weight, part, poles, scale, rounds: int = 16) -
         z, planes, lowest = _cutting_planes(free, roots, rows, scale, planes)
         before = lowest[0] if before is None else before
         error = np.abs(basis @ z - g) * part
-        if best is None or (lowest[1] > -PASSIVE and error.max() < best.error):
-            best = _Passive(RationalFit(poles=poles, coefficients=space @ z), float(error.max()), before, lowest[1])
+        tried = _Passive(RationalFit(poles=poles, coefficients=space @ z), float(error.max()), before, lowest[1])
+        best = tried if best is None else min(best, tried, key=_rank)
         gain = np.sqrt(0.1 * error.max() + error)
         now = now * (gain / gain.mean())
     return best

@@ -23,7 +23,7 @@ def uniform_disk(diameter=126.0, rate=0.0, count=40):
 
 def test_standing_rotor_is_the_disk_average():
     """wind.py gets the same by the density of distances in a disk; theta and radius quadrature differ by 0.5 % (kinks of exp(-d) at d = 0)."""
-    low = OMEGA < 2 * np.pi * 0.3  # above, a coherence length is shorter than the quadrature's steps
+    low = 2 * np.pi * 0.3 > OMEGA  # above, a coherence length is shorter than the quadrature's steps
     collective, gradient = rotor_spectra(wind(), uniform_disk(), OMEGA[low])
     np.testing.assert_allclose(collective, rotor_averaged_spectrum(wind(), OMEGA[low]), rtol=0.02)
     np.testing.assert_allclose(gradient, gradient_spectrum(wind(), OMEGA[low]), rtol=0.02)
@@ -32,7 +32,7 @@ def test_standing_rotor_is_the_disk_average():
 def test_rotation_moves_energy_to_blade_passing_and_leaves_the_low_end():
     rate = 1.245
     still, turning = (rotor_spectra(wind(), uniform_disk(rate=r), OMEGA)[0] for r in (0.0, rate))
-    slow = OMEGA < 0.3 * rate
+    slow = 0.3 * rate > OMEGA
     near = np.abs(OMEGA - 3 * rate) < 0.15 * rate
     np.testing.assert_allclose(turning[slow], still[slow], rtol=0.05)  # harmonics of 3P reach down this far only weakly
     assert np.all(turning[near] > 5 * still[near])
