@@ -118,7 +118,7 @@ def validation_table(found: Validation) -> Table:
     """Return one comparison as a table for people."""
     from fowtio.write.validation_tables import channels
 
-    return channels(found)
+    return channels(found)[0]
 
 
 def show_validation(found: Sequence[Validation], files: Sequence[Path], decays: Sequence = ()) -> None:
@@ -126,8 +126,8 @@ def show_validation(found: Sequence[Validation], files: Sequence[Path], decays: 
     from fowtio.write import validation_tables
 
     for item in found:
-        show_table(validation_table(item))
-        show_table(validation_tables.lack(item))
+        for table in (*validation_tables.channels(item), validation_tables.lack(item)):
+            show_table(table)
         if item.unmatched:
             print(f"reference channels without a counterpart, or at rest: {', '.join(item.unmatched)}")
         if item.missing:

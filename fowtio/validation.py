@@ -62,7 +62,8 @@ class ChannelComparison:
     the radiation memory as HydroDyn convolves it. scatter and interval (half width, 95 %) are the reference's own from seed to seed.
     rao_error weighs amplitudes by energy over the whole band, band_errors (4) over bands; estimator_error is what a perfect model
     would have. correlation: time history with the model's amplitudes and the reference's phases; correlation_same_waves: predicted
-    from the waves alone. verdicts of the standard deviation, the mean and the RAO.
+    from the waves (and that wind). Verdicts of the standard deviation, that in the state's own wind (where the seeds' interval
+    counts), the mean and the RAO.
     """
 
     name: str
@@ -102,13 +103,14 @@ class ChannelComparison:
     correlation_same_waves: float
     tolerance: Tolerance
     std_verdict: str
+    state_verdict: str
     mean_verdict: str
     rao_verdict: str
 
     @property
     def verdict(self) -> str:
         """The worst of the verdicts, "not judged" without any."""
-        found = [v for v in (self.std_verdict, self.mean_verdict, self.rao_verdict) if v != NOT_JUDGED]
+        found = [v for v in (self.std_verdict, self.state_verdict, self.mean_verdict, self.rao_verdict) if v != NOT_JUDGED]
         return next((v for v in (OUTSIDE, SCATTER, WITHIN) if v in found), NOT_JUDGED)
 
     @property
@@ -225,15 +227,16 @@ def _findings(model: Model, state: StateEntry, records: Records, side: ModelSide
     """Return everything that is doubtful about the reference."""
     driven = [w for n, w in zip(side.modes.names, side.modes.frequency, strict=True) if _moves(n, records)]
     out = [*records.findings, *length_findings(records, found, 2 * np.pi / min(driven, default=2 * np.pi / 10))]
-    if records.still:
-        outputs = side.point.outputs
-        spectra = response_spectra(channel_response(outputs, side.response), side.response)
-        std = statistics(spectra, side.response.excitation.omega, outputs.mean).std
-        out += still_findings(records.still, outputs.names, std, outputs.units)
+    outputs = side.point.outputs
+    spectra = response_spectra(channel_response(outputs, side.response), side.response)
+    std = statistics(spectra, side.response.excitation.omega, outputs.mean).std
+    out += still_findings(records.still, outputs.names, std, outputs.units)
     if np.any(side.waves):
         out += sea_findings(records, side.waves.sum(axis=0), side.hz)
         of_waves, of_wind = (s.sum(axis=0) for s in response_spectrum(side, side.waves, side.wind, side.gradients))
-        exact = [n for n, a, b in zip(records.names, of_waves, of_wind, strict=True) if a > 0.2 * b]
+        largest = {u: max(s for s, v in zip(std, outputs.units, strict=True) if v == u) for u in outputs.units}
+        size = {n: s / largest[u] for n, s, u in zip(outputs.names, std, outputs.units, strict=True)}
+        exact = [n for n, a, b in zip(records.names, of_waves, of_wind, strict=True) if a > 0.2 * b and size[n] > 0.02]
         out += agreement_findings(
             records, side.to_wave[side.main], side.hz, found.segment, model.deck.depth, model.deck.gravity, exact
         )
@@ -352,7 +355,7 @@ def _means_only(model: Model, state: StateEntry, reference: Reference, records: 
         channels.append(ChannelComparison(
             **nothing, name=name, unit=records.units[k], written=records.written[k], std_reference=float(std[k]), mean_model=float(outputs.mean[at[k]]),
             mean_reference=float(means.mean(axis=0)[k]), mean_error=float(error[k]), mean_error_rest=float(error[k]), mean_interval=NAN, band_errors=(NAN,) * len(BANDS), tolerance=tolerance,
-            std_verdict=NOT_JUDGED, mean_verdict=_verdict(error[k], tolerance.mean, 0.0), rao_verdict=NOT_JUDGED,
+            std_verdict=NOT_JUDGED, state_verdict=NOT_JUDGED, mean_verdict=_verdict(error[k], tolerance.mean, 0.0), rao_verdict=NOT_JUDGED,
         ))  # fmt: skip
     return Validation(**_common(state, "mean", reference, records, tuple(channels)), findings=records.findings)
 
@@ -438,6 +441,9 @@ def _channels(model, side, reference, records, found: Estimate, figures, magnitu
         (_, (h_raw,)) = peak(np.nan_to_num(raw[:, [k]]), f, near)
         tolerance = reference.tolerance_of(name)
         allowed = (float(np.nan_to_num(interval[k])), float(np.nan_to_num(mean_interval[k]))) if scatter_counts else (0.0, 0.0)
+        driven = np.isfinite(figures["std_error_same_waves"][k])
+        std_verdict = _verdict(figures["std_error"][k], tolerance.std, 0.0 if driven else allowed[0])
+        state_verdict = _verdict(figures["std_error_state"][k], tolerance.std if scatter_counts else None, allowed[0])
         out.append(ChannelComparison(
             **{key: float(figures[key][k]) for key in figures if key != "bands"}, name=name, unit=records.units[k], written=records.written[k],
             std_reference=float(found.std[k]), scatter=float(found.scatter[k]), interval=float(interval[k]), mean_model=float(means[k]),
@@ -445,7 +451,7 @@ def _channels(model, side, reference, records, found: Estimate, figures, magnitu
             band_errors=tuple(float(b) for b in figures["bands"][:, k]), coherence_mean=float(coherence[k]), peak_frequency=float(f_ref),
             peak_frequency_error=float(f_model / f_ref - 1), peak_error=float(h_model / h_ref - 1), peak_leakage=float(1 - h_model / h_raw),
             extreme_model=float(expected[k]), extreme_reference=float(largest[k]), excess_kurtosis=float(tails[k]), correlation=float(phases[k]),
-            correlation_same_waves=float(real[k]), tolerance=tolerance, std_verdict=_std_verdict(figures, k, tolerance.std, allowed[0]),
+            correlation_same_waves=float(real[k]), tolerance=tolerance, std_verdict=std_verdict, state_verdict=state_verdict,
             mean_verdict=_verdict(mean_error[k], tolerance.mean, allowed[1]), rao_verdict=_verdict(figures["rao_error"][k], tolerance.rao, 0.0),
         ))  # fmt: skip
     return tuple(out)
@@ -456,16 +462,6 @@ def _verdict(error: float, tolerance: float | None, scatter: float) -> str:
     if tolerance is None:
         return NOT_JUDGED
     return WITHIN if abs(error) <= tolerance else SCATTER if abs(error) <= scatter else OUTSIDE
-
-
-def _std_verdict(figures, k: int, tolerance: float | None, scatter: float) -> str:
-    """Return the verdict on a standard deviation; with wind both that in the wind that the rotor felt, where chance has no part, and that
-    in the state's wind count.
-    """
-    own = _verdict(figures["std_error"][k], tolerance, scatter if np.isnan(figures["std_error_same_waves"][k]) else 0.0)
-    if not scatter or own in (OUTSIDE, NOT_JUDGED):
-        return own
-    return _verdict(figures["std_error_state"][k], tolerance, scatter)
 
 
 def _resonance(side: ModelSide, reference: np.ndarray, f: np.ndarray) -> tuple[float, float]:

@@ -79,7 +79,10 @@ def cards(found: Sequence, decays: Sequence = ()) -> list[Card]:
 
 
 def _overview(found, decays) -> Section:
-    words = "<p>Green: within the tolerance of the study. Yellow: outside, but within the 95 % interval of the reference's own seeds. Red: outside. Grey: no tolerance named.</p>"
+    words = (
+        "<p>Errors in per cent, and small what is allowed. Green: within the tolerance of the study. Yellow: outside, but within the 95 % interval of the "
+        "reference's own seeds. Red: outside. Grey: no tolerance named. In wind, σ is judged twice: in the wind that the reference's rotor felt, and in the state's.</p>"
+    )
     return Section(title="Overview", content=(words, traffic_lights(found, decays)), fold=(tables.overview(found, decays),))
 
 
@@ -87,7 +90,7 @@ def traffic_lights(found: Sequence, decays: Sequence = ()) -> str:
     """Return the overview as an HTML table: a row for every channel, a coloured cell for every judged error."""
     heads, cells = [], {}
     for n, item in enumerate(found):
-        judged = [("σ", "std", [(c, c.std_error, c.std_verdict) for c in item.channels]), ("mean", "mean", [(c, c.mean_error, c.mean_verdict) for c in item.channels]),
+        judged = [("σ", "std", [(c, c.std_error, c.std_verdict) for c in item.channels]), ("σ, state's wind", "std", [(c, c.std_error_state, c.state_verdict) for c in item.channels]), ("mean", "mean", [(c, c.mean_error, c.mean_verdict) for c in item.channels]),
                   ("RAO", "rao", [(c, c.rao_error, c.rao_verdict) for c in item.channels])]  # fmt: skip
         for label, key, values in judged:
             if (label != "σ" and all(v == "not judged" for *_, v in values)) or all(not np.isfinite(e) for _, e, _ in values):
@@ -95,7 +98,7 @@ def traffic_lights(found: Sequence, decays: Sequence = ()) -> str:
             heads.append((tables.title(item), label))
             for c, error, verdict in values:
                 cells[c.name, n, label] = (error, getattr(c.tolerance, key), verdict)
-    keys = [(n, label) for n, item in enumerate(found) for label in ("σ", "mean", "RAO") if any(k[1:] == (n, label) for k in cells)]
+    keys = [(n, label) for n, item in enumerate(found) for label in ("σ", "σ, state's wind", "mean", "RAO") if any(k[1:] == (n, label) for k in cells)]
     if decays:
         heads.append(("decay", "period"))
         keys.append((-1, "period"))
@@ -103,7 +106,7 @@ def traffic_lights(found: Sequence, decays: Sequence = ()) -> str:
     names = list(dict.fromkeys(name for name, *_ in cells))
     spans = [(title, sum(h[0] == title for h in heads)) for title in dict.fromkeys(h[0] for h in heads)]
     first = "".join(f'<th class="n" colspan="{count}">{_escaped(title)}</th>' for title, count in spans)
-    second = "".join(f'<th class="n">{_escaped(label)} <span class="unit">%, of allowed</span></th>' for _, label in heads)
+    second = "".join(f'<th class="n">{_escaped(label)}</th>' for _, label in heads)
     body = "".join(
         f"<tr><td class='s'>{_escaped(name)}</td>" + "".join(_light(cells.get((name, *key))) for key in keys) + "</tr>" for name in names
     )
@@ -140,7 +143,7 @@ def _state_section(model, item, pictures) -> Section:
     own = tuple(p for p in pictures if p.group == f"validation {item.state}") if item.kind != "mean" else ()
     more = (tables.bands(item),) if item.estimate is not None else ()
     lack = tables.lack(item)
-    return Section(title=f"{item.state}: {tables.KINDS[item.kind]}", content=(words, tables.channels(item), *own, *([lack] if lack else [])), fold=(*more, tables.mapping(item)))
+    return Section(title=f"{item.state}: {tables.KINDS[item.kind]}", content=(words, *tables.channels(item), *own, *([lack] if lack else [])), fold=(*more, tables.mapping(item)))
 
 
 def _decay_section(decays, pictures) -> Section:
@@ -189,7 +192,7 @@ def _workbook(model, found, decays, path: Path) -> None:
     doubts = tables.findings(found, decays)
     book.sheet("Doubts", [doubts if doubts is not None else _none("findings", "Doubts about the reference")])
     for item in found:
-        more = [t for t in (tables.channels(item), tables.bands(item) if item.estimate is not None else None, tables.lack(item), tables.mapping(item)) if t is not None]
+        more = [t for t in (*tables.channels(item), tables.bands(item) if item.estimate is not None else None, tables.lack(item), tables.mapping(item)) if t is not None]
         book.sheet(tables.title(item), more)
         if item.estimate is not None:
             book.numbers(f"{item.state} numbers", *tables.spectra_numbers(item))

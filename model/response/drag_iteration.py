@@ -82,7 +82,7 @@ def at_rest(problem: DragProblem) -> Linearised | None:
 def coefficients(problem: DragProblem, solution: np.ndarray, here) -> Linearised:
     """Return the coefficients for the motions of a solution (s, n, q, m + w), platform motions at places `here`."""
     rate = solution[:, :, here, :] * (1j * problem.omega[:, None, None])
-    s, n, p, _ = rate.shape
+    s, _, p, _ = rate.shape
     waves, headings = problem.wave_weight, problem.wave_weight.shape[1]
     flat = problem.motion.reshape(-1, 6)[:, problem.rows]
     weights = np.concatenate([waves, problem.wind_weight], axis=1)[:, : rate.shape[-1]]

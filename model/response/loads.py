@@ -77,7 +77,7 @@ def linear_outputs(system: System, mean: Equilibrium, structure: TurbineStructur
         rows += [_nacelle(system, structure), _tower_base(system, mean, structure)]
     if mean.mooring is not None:
         rows.append(_tensions(system, mean))
-    names, units, position, velocity, acceleration, wind, level = (sum((r[k] for r in rows), []) for k in range(7))
+    names, units, position, velocity, acceleration, wind, level = ([x for r in rows for x in r[k]] for k in range(7))
 
     def stacked(values):
         return np.array(values, dtype=float).reshape(len(names), q)

@@ -23,7 +23,7 @@ def memory_kernel(hydro: HydroCoefficients, length: float, step: float) -> tuple
     spacing = np.pi / length
     omega = np.arange(0, int(hydro.omega[-1] / spacing) + 1) * spacing
     damping = radiation_at(hydro, np.maximum(omega, 1e-9))[1].reshape(len(omega), 36)
-    time = np.arange(0, int(round(length / step)) + 1) * step
+    time = np.arange(0, round(length / step) + 1) * step
     weight = np.full(len(omega), spacing)
     weight[0] /= 2
     return time, (2 / np.pi * np.cos(np.outer(time, omega)) @ (weight[:, None] * damping)).reshape(-1, 6, 6)
