@@ -39,7 +39,9 @@ class DatabasePlan:
     depths: tuple[float, ...] = (np.inf, 370.0, 200.0)
     depth_points: tuple[int, int, int] = (3, 3, 3)
     scaled_frequency: tuple[float, ...] = tuple(
-        np.round(np.r_[np.arange(1, 35) * 0.1, 3.4 + np.arange(1, 9) * 0.15], 3)
+        np.round(
+            np.sort(np.r_[np.arange(1, 35) * 0.1, 1.95 + np.arange(6) * 0.1, 3.4 + np.arange(1, 9) * 0.15]), 3
+        ).tolist()
     )
     headings_deg: tuple[float, ...] = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
     central_diameter: float = 8.3
@@ -52,7 +54,9 @@ class DatabasePlan:
 
 
 def chebyshev_points(low: float, high: float, count: int) -> np.ndarray:
-    """Return the Chebyshev points of the second kind (count) on [low, high], ascending, ends included."""
+    """Return the Chebyshev points of the second kind (count) on [low, high], ascending, ends included (one: the middle)."""
+    if count == 1:
+        return np.array([(low + high) / 2])
     return (low + high) / 2 - (high - low) / 2 * np.cos(np.pi * np.arange(count) / (count - 1))
 
 

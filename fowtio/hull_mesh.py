@@ -136,8 +136,11 @@ def tube(start, end, radius: float, along: int, around: int, *, side=(0.0, 2 * n
 def box(
     half_length: float, half_width: float, draft: float, size: float, *, refine: int = 1, moonpool: float = 0.0
 ) -> np.ndarray:
-    """Return a quarter (x, y >= 0) of a box barge, with a square moonpool of side `moonpool` [m] in its middle."""
-    z = -draft * np.linspace(0.0, 1.0, refine * max(1, round(draft / size)) + 1) ** WATERLINE_POWER
+    """Return a quarter (x, y >= 0) of a box barge, with a square moonpool of side `moonpool` [m] in its middle.
+
+    A shallow hull has three rows of panels or more on its sides, finer near still water.
+    """
+    z = -draft * np.linspace(0.0, 1.0, refine * max(3, round(draft / size)) + 1) ** WATERLINE_POWER
     pool = moonpool / 2
     x, y = (_with_pool(half, pool, size, refine) for half in (half_length, half_width))
     side_x = _wall(x[x <= half_length + 1e-9], z, lambda s: (s, half_width))[:, ::-1]

@@ -7,7 +7,7 @@ Reference for the properties: Perez and Fossen, Modeling, Identification and Con
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import block_diag, eigvals
@@ -23,10 +23,10 @@ from model.system.hydro import HydroCoefficients, infinite_added_mass, radiation
 SIGNIFICANT = 0.01  # of the geometric mean of the two diagonal peaks
 TARGET = 0.005  # of the peak, and of any response
 PASSIVE = 1e-5  # largest negative eigenvalue of the scaled damping matrix that counts as rounding
-RESPONSE = 0.5  # what a relative error of a response counts beside an error of K relative to its peak
+RESPONSE = 0.58  # what a relative error of a response counts beside an error of K relative to its peak
 MOST = 1000.0  # that responses may raise the weight of an error above that of a fraction of the peak
 ORDERS = (8, 12, 14, 16, 18, 20, 22, 24, 26, 28)
-PATIENCE = 6  # fits tried without a tenth of gain before more poles are held to be of no use
+PATIENCE = 8  # fits tried without a tenth of gain before more poles are held to be of no use
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -155,8 +155,8 @@ class _Passive:
 def _fit_block(omega, data, urgent, inside, target: float, orders) -> _Passive:
     """Return the passive fit of G = K / (i omega) of one block (n, m, m) with the lowest order that reaches the target.
 
-    Data that are not quite causal or passive themselves may not let any order reach it; then the lowest order within a
-    tenth of the best error is taken.
+    Data that are not quite causal or passive themselves may not let any order reach it; then the lowest order within
+    two per cent of the best error is taken.
     """
     rows, columns = np.triu_indices(data.shape[1])
     values = data[:, rows, columns]
@@ -175,7 +175,7 @@ def _fit_block(omega, data, urgent, inside, target: float, orders) -> _Passive:
         errors = [_rank(t)[1] + 10.0 * _rank(t)[0] for t in tried]
         if min(errors) <= target or min(errors) > 0.9 * min(errors[:-PATIENCE], default=np.inf):
             break
-    enough = max(target, 1.1 * min(errors))
+    enough = max(target, 1.02 * min(errors))
     return next(t for t, e in zip(tried, errors, strict=True) if e <= enough)
 
 
@@ -227,19 +227,33 @@ def _enforce_passivity(omega, g, weight, part, poles, scale, rounds: int = 12) -
     space = admissible(poles, "fast")
     basis = partial_fractions(1j * omega, poles) @ space
     check = _check_grid(poles, omega)
-    rows = (1j * check[:, None] * (partial_fractions(1j * check, poles) @ space)).real
-    now, best, before = weight, None, None
+    now, best, chosen, before = weight, None, weight, None
     planes = np.zeros((0, g.shape[1] * space.shape[1]))
     for _ in range(rounds):
-        free, roots = _least_squares(basis, g, now)
-        z, planes, lowest = _cutting_planes(free, roots, rows, scale, planes)
-        before = lowest[0] if before is None else before
-        error = np.abs(basis @ z - g) * part
-        tried = _Passive(RationalFit(poles=poles, coefficients=space @ z), float(error.max()), before, lowest[1])
-        best = tried if best is None else min(best, tried, key=_rank)
+        tried, planes = _passive_fit(basis, g, now, part, poles, space, check, scale, planes)
+        before = tried.before if before is None else before
+        if best is None or _rank(tried) < _rank(best):
+            best, chosen = tried, now
+        error = np.abs(basis @ (space.T @ tried.found.coefficients) - g) * part
         gain = np.sqrt(0.1 * error.max() + error)
         now = now * (gain / gain.mean())
-    return best
+    for _ in range(8):  # dips narrower than the grid
+        exact, dips = least_damping(*_realise(best.found, best.found.coefficients), scale, omega.max() / 2)
+        best = replace(best, before=before, after=exact)
+        if exact > -PASSIVE or not dips:
+            break
+        check = np.union1d(check, dips)
+        best, planes = _passive_fit(basis, g, chosen, part, poles, space, check, scale, planes)
+    return replace(best, before=before)
+
+
+def _passive_fit(basis, g, weight, part, poles, space, check, scale, planes) -> tuple[_Passive, np.ndarray]:
+    """Return the least-squares fit of G (n, c) that is passive on a check grid (w) [rad/s], and the planes that hold it."""
+    rows = (1j * check[:, None] * (partial_fractions(1j * check, poles) @ space)).real
+    free, roots = _least_squares(basis, g, weight)
+    z, planes, lowest = _cutting_planes(free, roots, rows, scale, planes)
+    error = float((np.abs(basis @ z - g) * part).max())
+    return _Passive(RationalFit(poles=poles, coefficients=space @ z), error, *lowest), planes
 
 
 def _check_grid(poles, omega) -> np.ndarray:

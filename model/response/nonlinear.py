@@ -92,16 +92,17 @@ def solve_record(
     force = ready.force * waves[:, None]
     water = _to_time(ready.water * waves, keep, count)
     amplitude = np.einsum("kij,kj->ki", ready.receptance, force) if start is None else start
-    change = np.inf
-    for iterations in range(1, limit + 1):
+    share, change = 1.0, np.inf
+    for iterations in range(1, limit + 1):  # noqa: B007
         rate = (1j * omega[:, None] * amplitude[:, here]).T
         drag = _drag_force(ready.system, ready.motion, water - ready.motion @ _to_time(rate, keep, count))
         total = force.copy()
         total[:, here] += (np.fft.rfft(drag)[:, keep] + ready.damping @ rate).T
-        new = np.einsum("kij,kj->ki", ready.receptance, total)
-        size = np.linalg.norm(new, axis=0)
-        change = float(np.max(np.linalg.norm(new - amplitude, axis=0) / np.maximum(size, 1e-9 * np.linalg.norm(new))))
-        amplitude = new
+        step = np.einsum("kij,kj->ki", ready.receptance, total) - amplitude
+        before, size = change, np.linalg.norm(amplitude + step, axis=0)
+        change = float(np.max(np.linalg.norm(step, axis=0) / np.maximum(size, 1e-9 * np.linalg.norm(size))))
+        share = share / 2 if change > before else min(1.0, 1.2 * share)
+        amplitude = amplitude + share * step
         if change < tolerance:
             break
     else:
