@@ -79,7 +79,7 @@ def evaluate(model: Model, state: StateEntry, names: Sequence[str], segment: flo
     channels = channel_response(point.outputs, response)
     index = [channels.index(n) for n in names]
     spacing = 1 / (10 * segment)
-    hz = np.arange(1, int(round(top / spacing)) + 1) * spacing
+    hz = np.arange(1, round(top / spacing) + 1) * spacing
     even = state_excitation(model, state, 2 * np.pi * hz)
     gusts = state_wind(model, state)
     hub = np.zeros_like(hz) if gusts is None else wind_spectrum(gusts, 2 * np.pi * hz) * 2 * np.pi

@@ -92,19 +92,25 @@ def solve_record(
     force = ready.force * waves[:, None]
     water = _to_time(ready.water * waves, keep, count)
     amplitude = np.einsum("kij,kj->ki", ready.receptance, force) if start is None else start
-    share, change = 1.0, np.inf
-    for iterations in range(1, limit + 1):  # noqa: B007
+    damping, receptance, share, change = ready.damping, ready.receptance, 1.0, np.inf
+    for iterations in range(1, limit + 1):
         rate = (1j * omega[:, None] * amplitude[:, here]).T
-        drag = _drag_force(ready.system, ready.motion, water - ready.motion @ _to_time(rate, keep, count))
+        relative = water - ready.motion @ _to_time(rate, keep, count)
         total = force.copy()
-        total[:, here] += (np.fft.rfft(drag)[:, keep] + ready.damping @ rate).T
-        step = np.einsum("kij,kj->ki", ready.receptance, total) - amplitude
+        total[:, here] += (np.fft.rfft(_drag_force(ready.system, ready.motion, relative))[:, keep] + damping @ rate).T
+        step = np.einsum("kij,kj->ki", receptance, total) - amplitude
         before, size = change, np.linalg.norm(amplitude + step, axis=0)
         change = float(np.max(np.linalg.norm(step, axis=0) / np.maximum(size, 1e-9 * np.linalg.norm(size))))
-        share = share / 2 if change > before else min(1.0, 1.2 * share)
-        amplitude = amplitude + share * step
         if change < tolerance:
+            amplitude = amplitude + step
             break
+        if change > 0.9 * before:  # too weakly damped: go on with the damping that belongs to this very motion
+            added = _equivalent_damping(ready.system, ready.motion, relative) - damping
+            dynamic = np.linalg.inv(receptance)
+            dynamic[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * added
+            damping, receptance, share, change = damping + added, np.linalg.inv(dynamic), 0.6, np.inf
+            step = (np.einsum("kij,kj->ki", receptance, force) - amplitude) / share
+        amplitude = amplitude + share * step
     else:
         raise ValueError(f"drag did not converge on the wave record: change {change:.2g} after {limit} iterations")
     return RecordResponse(
@@ -142,10 +148,18 @@ def record_channels(outputs: LinearOutputs, response: RecordResponse, names=None
 
 def _drag_force(system: System, motion: np.ndarray, relative: np.ndarray) -> np.ndarray:
     """Return the drag force (r, t) on the platform motions kept, for relative velocities (2 s, t) along the resisted directions."""
-    pairs = relative.reshape(len(motion) // 2, 2, -1)
+    pairs = relative.reshape(len(motion) // 2, 2, relative.shape[1])
     speed = np.sqrt(pairs[:, 0] ** 2 + pairs[:, 1] ** 2)
     speed *= system.drag.factor[:, None]
-    return motion.T @ (speed[:, None] * pairs).reshape(len(motion), -1)
+    return motion.T @ (speed[:, None] * pairs).reshape(relative.shape)
+
+
+def _equivalent_damping(system: System, motion: np.ndarray, relative: np.ndarray) -> np.ndarray:
+    """Return the damping (r, r) that does as much work as drag at the relative velocities (2 s, t): E[|u| u u] / E[u u] of each element."""
+    pairs = relative.reshape(len(motion) // 2, 2, relative.shape[1])
+    square = (pairs**2).sum(axis=1)
+    per = system.drag.factor * (square**1.5).mean(axis=1) / np.maximum(square.mean(axis=1), 1e-300)
+    return motion.T @ (per.repeat(2)[:, None] * motion)
 
 
 def _to_time(amplitude: np.ndarray, keep: slice, count: int) -> np.ndarray:

@@ -55,11 +55,13 @@ def test_a_perfect_model_lacks_nothing(smoothing):
 
 
 def test_noise_is_reported_as_a_standard_error(smoothing):
-    """15 % noise on each line, which the average shares between two neighbours: within six of its own standard errors of the truth."""
+    """15 % noise on each line: within six of its own standard errors (neighbouring averages share half of their lines) and a bias of 1 %
+    of the stiffness, since the root of a noisy spectrum is a little low.
+    """
     added = np.array([5e4, 8e7])
     _, reference = spectra(B + np.diag(added), C)
     noisy = reference * (1 + 0.15 * np.random.default_rng(3).normal(size=reference.shape))
     found = fit(noisy, smoothing)
     assert np.all(np.abs(found.damping - added) < 6 * found.damping_error)
     assert np.all(found.damping_error < 0.5 * added)
-    assert np.all(np.abs(found.stiffness) < 6 * found.stiffness_error)
+    assert np.all(np.abs(found.stiffness) < 6 * found.stiffness_error + 0.01 * np.diag(C))
