@@ -33,7 +33,7 @@ SHAPES = {
 }  # fmt: skip
 OPTIONAL = {
     "semi": ("plate_ratio", "plate_height", "central_diameter", "column_freeboard", "central_freeboard", "brace_diameter"),
-    "barge": ("moonpool",), "tlp": ("pontoon_length", "pontoon_diameter", "pontoon_depth", "pontoons"), "spar": (), "mesh": ("scale",),
+    "barge": ("moonpool", "moonpool_cap"), "tlp": ("pontoon_length", "pontoon_diameter", "pontoon_depth", "pontoons"), "spar": (), "mesh": ("scale",),
 }  # fmt: skip
 
 
@@ -95,7 +95,15 @@ def hull_meshes(hull: HullFile) -> list[HullMesh]:
     if hull.kind == "barge":
         s = hull.shape
         return [
-            barge_mesh(s["length"], s["width"], s["draft"], moonpool=s.get("moonpool", 0.0), size=size, refine=k)
+            barge_mesh(
+                s["length"],
+                s["width"],
+                s["draft"],
+                moonpool=s.get("moonpool", 0.0),
+                cap=s.get("moonpool_cap"),
+                size=size,
+                refine=k,
+            )
             for k in (1, 2)
         ]
     return [tlp_mesh(**hull.shape, size=size, around=around, refine=k) for k in (1, 2)]
@@ -285,6 +293,10 @@ def closed_form(hull: HullFile) -> dict[str, float]:
         area = s["length"] * s["width"] - pool**2
         moment = s["length"] ** 3 * s["width"] / 12 - pool**4 / 12
         size, height = area * s["draft"], -s["draft"] / 2
+        if "moonpool_cap" in s:
+            cap, inner = s["moonpool_cap"], pool**2
+            height = (size * height - inner * cap * cap / 2) / (size + inner * cap)
+            size, area, moment = size + inner * cap, area + inner, moment + pool**4 / 12
     elif hull.kind == "spar":
         size, moment_z = 0.0, 0.0
         for (r1, z1), (r2, z2) in zip(s["profile"][:-1], s["profile"][1:], strict=True):

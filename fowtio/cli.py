@@ -247,7 +247,7 @@ def database_check(
     path: DATABASE = None, hulls: Annotated[int, typer.Option(help="random hulls that the database has not seen")] = 4,
     seed: Annotated[int, typer.Option(help="of the random hulls")] = 1,
     depth: Annotated[float, typer.Option(help="water depth (m), inf is deep")] = 200.0,
-    tolerance: Annotated[float, typer.Option(help="largest error allowed (% of each coefficient's maximum)")] = 1.0,
+    tolerance: Annotated[float, typer.Option(help="largest error allowed (% of each coefficient's maximum)")] = 1.5,
     folder: Annotated[Path | None, typer.Option(help="keep the solutions here", show_default=False)] = None,
     out: OUT = None, jobs: Annotated[int, typer.Option(help="processes")] = 2,
     json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,

@@ -385,17 +385,29 @@ def _solved_before(plan, hull, depth, rows, folder):
 
 def _errors(database, plan, hull, found, depth) -> dict:
     m, omega, values = len(plan.headings_deg), found["omega"], found["values"]
-    batch = interpolate(database, hull, omega, np.radians(plan.headings_deg), depth=depth)
-    force = (values[:, 10 : 10 + 6 * m] + 1j * values[:, 10 + 6 * m :]).reshape(-1, m, 6)
-    guess = np.moveaxis(batch.excitation[0], 0, 1)
+    heading = np.radians(plan.headings_deg)
+    solved = (
+        values[:, :5],
+        values[:, 5:10],
+        (values[:, 10 : 10 + 6 * m] + 1j * values[:, 10 + 6 * m :]).reshape(-1, m, 6),
+    )
+    guessed = _reduced_batch(interpolate(database, hull, omega, heading, depth=depth))
+    everywhere = np.array(plan.scaled_frequency) * np.sqrt(GRAVITY / hull[1])
+    largest = _reduced_batch(interpolate(database, hull, everywhere, heading, depth=depth))
+    out = {
+        "hull": tuple(map(float, hull)),
+        "depth": depth,
+        "omega": omega,
+        "curves": {"solved": solved, "interpolated": guessed},
+    }
+    for name, a, b, c, axes in zip(
+        ("added_mass", "radiation_damping", "excitation"), guessed, solved, largest, (0, 0, (0, 1)), strict=True
+    ):
+        out[name] = np.abs(a - b).max(axis=axes) / np.abs(c).max(axis=axes)
+    return out
+
+
+def _reduced_batch(batch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return one hull's added mass and damping (n, 5) and excitation (n, m, 6)."""
     added, damping = (np.array([reduced(x) for x in a[0]]) for a in (batch.added_mass, batch.radiation_damping))
-
-    def share(a, b, axes):
-        return np.abs(a - b).max(axis=axes) / np.abs(b).max(axis=axes)
-
-    return {
-        "hull": tuple(map(float, hull)), "depth": depth, "omega": omega,
-        "added_mass": share(added, values[:, :5], 0), "radiation_damping": share(damping, values[:, 5:10], 0),
-        "excitation": share(guess, force, (0, 1)),
-        "curves": {"solved": (values[:, :5], values[:, 5:10], force), "interpolated": (added, damping, guess)},
-    }  # fmt: skip
+    return added, damping, np.moveaxis(batch.excitation[0], 0, 1)

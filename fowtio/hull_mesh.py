@@ -134,11 +134,12 @@ def tube(start, end, radius: float, along: int, around: int, *, side=(0.0, 2 * n
 
 
 def box(
-    half_length: float, half_width: float, draft: float, size: float, *, refine: int = 1, moonpool: float = 0.0
-) -> np.ndarray:
+    half_length: float, half_width: float, draft: float, size: float, *, refine: int = 1, moonpool: float = 0.0,
+    cap: float | None = None,
+) -> np.ndarray:  # fmt: skip
     """Return a quarter (x, y >= 0) of a box barge, with a square moonpool of side `moonpool` [m] in its middle.
 
-    A shallow hull has three rows of panels or more on its sides, finer near still water.
+    cap [m] closes the moonpool that far below still water by a deck: no water column moves in it. A shallow hull has three rows of panels or more on its sides, finer near still water.
     """
     z = -draft * np.linspace(0.0, 1.0, refine * max(3, round(draft / size)) + 1) ** WATERLINE_POWER
     pool = moonpool / 2
@@ -150,10 +151,16 @@ def box(
     bottom = bottom[~((centre[:, 0] < pool) & (centre[:, 1] < pool))][:, ::-1]
     parts = [side_x, side_y, bottom]
     if pool:
+        inside = z if cap is None else np.concatenate([[-cap], z[z < -cap - 1e-9]])
         parts += [
-            _wall(x[x <= pool + 1e-9], z, lambda s: (s, pool)),
-            _wall(y[y <= pool + 1e-9], z, lambda s: (pool, s))[:, ::-1],
+            _wall(x[x <= pool + 1e-9], inside, lambda s: (s, pool)),
+            _wall(y[y <= pool + 1e-9], inside, lambda s: (pool, s))[:, ::-1],
         ]
+    if pool and cap is not None:
+        x, y = (axis[axis <= pool + 1e-9] for axis in (x, y))
+        parts.append(
+            _quads(np.stack([*np.meshgrid(x, y, indexing="ij"), np.full((len(x), len(y)), -cap)], axis=-1))[:, ::-1]
+        )
     return np.concatenate(parts)
 
 

@@ -145,7 +145,7 @@ def design_deck(design: SemiDesign, folder: str | Path, *, title: str, hydro: Hy
     line = design.line or CHAIN
     plan = DeckPlan(
         name=design.name, title=title, turbine="dtu10mw", platform=platform_body(floating), depth=design.depth,
-        hydro=hydro or semi_hydro(floating, design.depth), members=hull_members(hull),
+        hydro=hydro or semi_hydro(floating, design.depth, omega=OMEGA[1::2], heading=HEADINGS[::2]), members=hull_members(hull),
         lines=[
             Line(anchor=a, fairlead=f, length=design.length, mass=line["mass_per_length"], diameter=line["diameter"], stiffness=line["axial_stiffness"])
             for a, f in zip(anchor, lead, strict=True)

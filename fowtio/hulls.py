@@ -58,12 +58,22 @@ def spar_mesh(profile, *, size=4.0, around: int = 16, refine: int = 1) -> HullMe
 
 
 def barge_mesh(
-    length: float, width: float, draft: float, *, moonpool: float = 0.0, size: float = 4.0, refine: int = 1
+    length: float,
+    width: float,
+    draft: float,
+    *,
+    moonpool: float = 0.0,
+    cap: float | None = None,
+    size: float = 4.0,
+    refine: int = 1,
 ) -> HullMesh:
-    """Return the mesh of a box barge [m] with a square moonpool (side, 0 is none); two planes of symmetry."""
+    """Return the mesh of a box barge [m] with a square moonpool (side, 0 is none), closed `cap` [m] below still water when given.
+
+    Two planes of symmetry.
+    """
     shape = (length / 2, width / 2)
     return HullMesh(
-        part=box(*shape, draft, size, refine=refine, moonpool=moonpool),
+        part=box(*shape, draft, size, refine=refine, moonpool=moonpool, cap=cap),
         lid=box_lid(*shape, size, refine=refine, moonpool=moonpool), symmetry="xz yz",
     )  # fmt: skip
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from fowtio.case_validation import Reference
 from fowtio.errors import ModelError
-from fowtio.read.openfast_out import TimeSeries, read_openfast_out
+from fowtio.read.openfast_out import TimeSeries
 
 WAVE, WIND, THRUST = "Wave1Elev", "Wind1VelX", "RtAeroFxh"
 FEWEST_SAMPLES = 100
@@ -108,17 +108,11 @@ def _instance(channel: str, written: str, name: str) -> str | None:
     return None if found is None else written.replace("#", found[1]) if "#" in channel else written
 
 
-def read_records(reference: Reference, names: Sequence[str], units: Sequence[str]) -> Records:
+def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequence[str], units: Sequence[str]) -> Records:
     """Return the records of a reference with those of the model's channels (names, SI units) that all files have and that move.
 
-    Raises ModelError when nothing can be compared, FormatError for a file that cannot be read.
+    Raises ModelError when nothing can be compared.
     """
-    series = [read_openfast_out(path) for path in reference.files]
-    return records_of(series, reference, names, units)
-
-
-def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequence[str], units: Sequence[str]) -> Records:
-    """Return records of time series already read; see `read_records`."""
     findings: list[Finding] = []
     step = _common_step(series, findings)
     series = [_even(s, step, findings) for s in series]
@@ -151,7 +145,7 @@ def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequen
     missing = tuple(n for n in names if n not in present)
     still = tuple((n, max(float(np.std(r[start:])) for r in data[n])) for n in present if n not in moving)
     return Records(
-        files=tuple(str(f) for f in reference.files), step=step, start=start, waves=read(WAVE, "m"), wind=read(WIND, "m/s"),
+        files=tuple(s.source for s in series), step=step, start=start, waves=read(WAVE, "m"), wind=read(WIND, "m/s"),
         thrust=read(THRUST, "N"), names=tuple(moving),
         units=tuple(units[names.index(n)] for n in moving),
         channels=[np.stack([data[n][k] for n in moving], axis=1) for k in range(len(series))], written=tuple(places[n][0][0] for n in moving),

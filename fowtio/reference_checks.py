@@ -18,7 +18,7 @@ FACTORS = {
     1e6: "a factor of a million (MN for N?)", 1e-6: "a factor of a millionth (N for MN?)", 3.28: "feet taken for metres", 1 / 3.28: "metres taken for feet",
 }  # fmt: skip
 LEAST_PERIODS, LEAST_AVERAGES = 20.0, 10.0
-_REACH, _FINE = 400.0, 0.1  # s
+_REACH, _FINE = 400.0, 0.2  # s
 _CLEAR, _LATE = 0.03, 0.3
 
 
@@ -83,15 +83,17 @@ def agreement_findings(
     for k, name in enumerate(records.names):
         if not sure[k]:
             continue
-        if score[k] < -0.5:
+        turned = [a.belongs and a.score[k] < -0.5 for a in aligned]
+        if all(t for t, a in zip(turned, aligned, strict=True) if a.belongs):
             out.append(Finding(severity="error", subject=name, text=f"wrong sign: its part that follows the waves is the model's turned round (correlation {score[k]:.2f})"))
+        elif any(turned):
+            alone = ", ".join(_name(f) for f, t in zip(records.files, turned, strict=True) if t)
+            out.append(Finding(severity="error", subject=name, text=f"wrong sign in {alone} alone"))
         elif score[k] < 0.5 and name in exact:
             out.append(Finding(severity="note", subject=name, text=f"does not follow the waves as the model does (correlation of the coherent parts {score[k]:.2f})"))
         out += _size_finding(name, float(size[k]), name in exact)
         for file, a in zip(records.files, aligned, strict=True):
-            if a.belongs and score[k] > 0.5 and a.score[k] < -0.5:
-                out.append(Finding(severity="error", subject=name, text=f"wrong sign in {_name(file)} alone"))
-            elif a.belongs and name in exact and not 0.5 < a.size[k] / size[k] < 2:
+            if a.belongs and name in exact and not 0.5 < a.size[k] / size[k] < 2:
                 out.append(Finding(severity="error", subject=name, text=f"in {_name(file)} {a.size[k] / size[k]:.3g} times the size of the other records"))
     return out
 

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fowtio import __version__
 from fowtio.case import Case
-from fowtio.validation import Validation
 from fowtio.workflow import Model, OperatingPoint, StateLoads
 from model.conventions import DOF_UNITS
 from model.response.assemble import all_parts
+
+if TYPE_CHECKING:
+    from fowtio.validation import Validation
 
 
 def all_speeds(case: Case) -> list[float]:

@@ -6,11 +6,14 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from fowtio.validation import Validation
 from fowtio.write import tables
 from fowtio.write.table import Table
 from model.response.cummins import consistency_rows
+
+if TYPE_CHECKING:
+    from fowtio.validation import Validation
 
 
 class Progress:

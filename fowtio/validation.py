@@ -11,7 +11,8 @@ from scipy.stats import kurtosis
 from fowtio.case import StateEntry
 from fowtio.case_validation import Reference, Tolerance
 from fowtio.errors import ModelError
-from fowtio.reference import Finding, Records, read_records
+from fowtio.read.openfast_out import TimeSeries, read_openfast_out
+from fowtio.reference import Finding, Records, records_of
 from fowtio.reference_checks import agreement_findings, length_findings, sea_findings, still_findings
 from fowtio.validation_lack import DecayComparison, Lack, compare_decay, lacking
 from fowtio.validation_model import (
@@ -181,19 +182,21 @@ class Validation:
 
 
 def validate(
-    model: Model, reference: Reference, *, nonlinear: bool = True, progress: Callable[[str], None] = lambda text: None
-) -> Validation:
+    model: Model, reference: Reference, *, nonlinear: bool = True, series: Sequence[TimeSeries] | None = None,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Validation:  # fmt: skip
     """Return the comparison of a state's model with reference time series of all seeds.
 
     nonlinear adds the model with quadratic drag itself on each record, which shows what the linearisation costs (one long-crested
-    sea, no wind, no current). Raises ModelError or FormatError.
+    sea, no wind, no current). series are the time series when they have been read already. Raises ModelError or FormatError.
     """
     state = next((s for s in model.states if s.name == reference.state), None)
     if state is None:
         raise ModelError(f"the reference names state {reference.state!r}, which the study does not have")
     progress(f"reading {len(reference.files)} time series")
     outputs = model.at(state.wind_speed).outputs
-    records = read_records(reference, outputs.names, outputs.units)
+    series = [read_openfast_out(path) for path in reference.files] if series is None else series
+    records = records_of(series, reference, outputs.names, outputs.units)
     if not any(np.ptp(w[records.start :]) > 0 for w in records.waves) and not _gusty(records):
         return _means_only(model, state, reference, records)
     progress("evaluating the model")

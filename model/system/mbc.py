@@ -92,15 +92,17 @@ def to_fixed_frame(record: Linearisation, blades: int, rotor_acceleration: float
         turned[np.ix_(w, p)] = rate**2 * second + rotor_acceleration * first
     for p in x.places:
         turn[np.ix_(p, p)], turned[np.ix_(p, p)] = one, rate * first
-    inputs = _signals(record.input_names, record.input_rotating, blades, one)
-    outputs = _signals(record.output_names, record.output_rotating, blades, one)
-    back = np.linalg.inv(turn)
-    out_back = np.linalg.inv(outputs)
+    back, one_back = np.linalg.inv(turn), np.linalg.inv(one)
+    driven, through = back @ record.B, record.D.copy()
+    for p in blade_groups(record.input_names, record.input_rotating, blades).places:
+        driven[:, p], through[:, p] = driven[:, p] @ one, through[:, p] @ one
+    measured = record.C @ turn
+    for p in blade_groups(record.output_names, record.output_rotating, blades).places:
+        measured[p], through[p] = one_back @ measured[p], one_back @ through[p]
     return replace(
         record,
-        A=back @ (record.A @ turn - turned), B=back @ record.B @ inputs, C=out_back @ record.C @ turn,
-        D=out_back @ record.D @ inputs, state_dof=_renamed(record.state_dof, (q, v), blades),
-        state_point=back @ record.state_point,
+        A=back @ (record.A @ turn - turned), B=driven, C=measured, D=through,
+        state_dof=_renamed(record.state_dof, (q, v), blades), state_point=back @ record.state_point,
         state_rotating=np.zeros(len(record.A)), input_rotating=np.zeros(record.B.shape[1]),
         output_rotating=np.zeros(len(record.C)), jacobians={},
     )  # fmt: skip
@@ -125,14 +127,6 @@ def azimuth_average(records: Sequence[Linearisation], blades: int, rotor_acceler
         fixed[0], A=mean("A"), B=mean("B"), C=mean("C"), D=mean("D"), state_point=mean("state_point"),
         rotor_speed=float(mean("rotor_speed")), wind_speed=float(mean("wind_speed")),
     )  # fmt: skip
-
-
-def _signals(names, rotating, blades: int, one: np.ndarray) -> np.ndarray:
-    """Return the transformation of inputs or outputs; raise ValueError when a rotating one lacks its counterparts."""
-    out = np.eye(len(names))
-    for p in blade_groups(names, rotating, blades).places:
-        out[np.ix_(p, p)] = one
-    return out
 
 
 def _whole_outputs(record: Linearisation, blades: int) -> Linearisation:

@@ -107,7 +107,7 @@ def test_the_directional_derivatives_are_the_matrices(spring, version):
         a, b = matrix(rates, states), matrix(rates, [names["Force"]])
         c, d = matrix(outputs, states), matrix(outputs, [names["Force"]])
         if version == "3.0":
-            adjoint = fmu.getAdjointDerivative(outputs, states, [1.0, 2.0, -1.0])
+            adjoint = fmu.getAdjointDerivative(outputs, states, [1.0, 2.0, -1.0], nSensitivity=2)
             assert np.allclose(adjoint, np.array([1.0, 2.0, -1.0]) @ c)
     assert np.allclose(d[:, 0], [0, 0, 1 / MASS])
     for omega in (0.1, OMEGA, 3.0):
