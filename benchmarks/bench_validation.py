@@ -18,7 +18,17 @@ def measure(study: Path, *options: str) -> tuple[float, float, float]:
     """Return wall time [s], processor time [s] and peak memory [GB] of one validation with its report."""
     with tempfile.TemporaryDirectory() as folder:
         start = time.perf_counter()
-        command = [sys.executable, "-m", "fowtio", "validate", str(study), "-o", str(Path(folder) / "out"), "--quiet", *options]
+        command = [
+            sys.executable,
+            "-m",
+            "fowtio",
+            "validate",
+            str(study),
+            "-o",
+            str(Path(folder) / "out"),
+            "--quiet",
+            *options,
+        ]
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
         _, status, usage = os.wait4(process.pid, 0)
         wall = time.perf_counter() - start

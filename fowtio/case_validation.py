@@ -84,7 +84,9 @@ def references(source: InputFile, problems, find: Callable) -> tuple[Reference, 
     known = {r.state for r in out}
     for state, _ in tolerances:
         if not any(matches(state, k) for k in known):
-            problems.add(f"tolerances name state {state!r}; references are of {', '.join(sorted(known))}", source.line("NTol"))
+            problems.add(
+                f"tolerances name state {state!r}; references are of {', '.join(sorted(known))}", source.line("NTol")
+            )
     return tuple(out)
 
 
@@ -135,7 +137,9 @@ def _tolerances(source: InputFile, problems) -> list[tuple[str, Tolerance]]:
     if table is None:
         return []
     out = []
-    for row in zip(*(table.column(c) for c in ("State", "Channel", "Std", "Mean", "RAO")), table.numbers_of_lines, strict=True):
+    for row in zip(
+        *(table.column(c) for c in ("State", "Channel", "Std", "Mean", "RAO")), table.numbers_of_lines, strict=True
+    ):
         values = [problems.get(lambda t=text: None if t in ("-", "") else number(t) / 100) for text in row[2:5]]
         if any(v is not None and v <= 0 for v in values):
             problems.add(f"a tolerance of {row[1]!r} is not above zero", row[5])

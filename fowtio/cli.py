@@ -116,11 +116,13 @@ def validate(
     case: CASE, out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
     quadratic: Annotated[bool, typer.Option(help="also solve with quadratic drag itself on every record")] = True,
     figures: Annotated[bool, typer.Option(help="draw figures")] = True,
+    choices: Annotated[bool, typer.Option(help="also set drag linearisations and ways to the tower loads side by side")] = False,
 ) -> None:  # fmt: skip
     """Compare with the reference time series that the study names: RAOs, spectra, means, decay tests; report and workbook."""
     from fowtio import report_data, terminal
     from fowtio.case import load
     from fowtio.errors import CaseError, Problem
+    from fowtio.comparisons import compare_choices, drag_table, tower_table
     from fowtio.validation import validate_study, write_validation
     from fowtio.workflow import build
 
@@ -132,10 +134,14 @@ def validate(
         found, decays = validate_study(model, nonlinear=quadratic, progress=say)
         folder = out or Path("results") / f"{case.stem}_validation"
         files = write_validation(found, folder, model=model, decays=decays, figures=figures, progress=say)
+        drag, tower = compare_choices(model, found, progress=say) if choices else ((), ())
     if json:
-        _print_json(report_data.validation_json(found, files, decays))
+        document = report_data.validation_json(found, files, decays)
+        _print_json(document | ({"drag_models": list(map(vars, drag)), "tower_loads": list(map(vars, tower))} if choices else {}))
     elif not quiet:
         terminal.show_validation(found, files, decays)
+        for table in (drag_table(drag), tower_table(tower)) if choices else ():
+            terminal.show_table(table)
     if not all(v.passed for v in (*found, *decays)):
         raise typer.Exit(EXIT_CHECK)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,6 +46,15 @@ def compare_drag_models(
     )  # fmt: skip
 
 
+def compare_choices(
+    model: Model, found: Sequence[Validation], *, progress: Callable[[str], None] = lambda text: None
+) -> tuple[tuple[DragComparison, ...], tuple[TowerComparison, ...]]:
+    """Return drag models against the first reference of waves alone, and ways to the tower loads against all references."""
+    waves = next((r for r, v in zip(model.case.references, found, strict=True) if v.kind == "waves"), None)
+    drag = compare_drag_models(model, waves, progress=progress) if waves is not None else ()
+    return drag, tuple(row for v in found for row in compare_tower_loads(model, v))
+
+
 def _near(found: Validation, k: int, frequency: float) -> float:
     """Return the energy-weighted RAO error of a channel within 15 % of a frequency [Hz]."""
     f = found.estimate.frequency
@@ -67,3 +76,63 @@ def drag_table(rows: tuple[DragComparison, ...]):
     )
     note = "RAO error; " + "; ".join(f"{d}: {text}" for d, text in DRAG.items())
     return Table(name="drag_models", title="Drag linearisations against the time series", columns=tuple(columns), rows=body, note=note)
+
+
+TOWER_BANDS = ((0.002, 0.006), (0.006, 0.02), (0.02, 0.05), (0.05, 0.1), (0.1, 0.2), (0.2, 0.5), (0.5, 0.8))  # Hz
+_SECTIONS = {"TwrBsFxt": "shear", "TwrBsMyt": "moment"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class TowerComparison:
+    """Error of a tower-base load's spectrum in one band [Hz]: integrated loads, and modal stiffness alone."""
+
+    state: str
+    channel: str
+    band: tuple[float, float]
+    full: float
+    modal: float
+    share: float
+
+
+def compare_tower_loads(model: Model, found: Validation) -> tuple[TowerComparison, ...]:
+    """Return band by band how the two ways to the tower-base loads agree with a reference.
+
+    Errors are sqrt(sum (sqrt(S) - sqrt(S_ref))^2 / sum S_ref) over the bands in which the reference has more than 1e-5 of its variance;
+    the modal version is C77 q7 and that times the tower's length (thesis eq. 5.7, 5.8).
+    """
+    names = [c.name for c in found.channels]
+    if found.model_spectrum is None or "TTDspFA" not in names:
+        return ()
+    state = next(s for s in model.states if s.name == found.state)
+    point = model.at(state.wind_speed)
+    stiffness = point.system.stiffness[point.system.dofs.index("tower_fa1"), point.system.dofs.index("tower_fa1")]
+    length = model.deck.elastodyn.structure.tower.length
+    f, top = found.estimate.frequency, found.model_spectrum[:, names.index("TTDspFA")]
+    out = []
+    for name in (n for n in _SECTIONS if n in names):
+        k = names.index(name)
+        reference, full = found.estimate.output_spectrum[:, k], found.model_spectrum[:, k]
+        modal = top * (stiffness * (length if name == "TwrBsMyt" else 1.0)) ** 2
+        for band in TOWER_BANDS:
+            inside = (f >= band[0]) & (f < band[1])
+            energy = np.nansum(reference[inside])
+            if energy < 1e-5 * np.nansum(reference):
+                continue
+            errors = [np.sqrt(np.nansum((np.sqrt(s[inside]) - np.sqrt(reference[inside])) ** 2) / energy) for s in (full, modal)]
+            share = float(energy / np.nansum(reference))
+            out.append(TowerComparison(state=found.state, channel=name, band=band, full=float(errors[0]), modal=float(errors[1]), share=share))
+    return tuple(out)
+
+
+def tower_table(rows: tuple[TowerComparison, ...]):
+    """Return the comparison of tower-base loads as a table for people."""
+    from fowtio.write.table import Column, Table
+
+    columns = (
+        Column(name="State"), Column(name="Load"), Column(name="From", unit="Hz", decimals=3), Column(name="To", unit="Hz", decimals=3),
+        Column(name="Share of variance", unit="%", decimals=1), Column(name="Integrated", unit="%", decimals=1),
+        Column(name="Modal stiffness", unit="%", decimals=1),
+    )  # fmt: skip
+    body = tuple((r.state, r.channel, *r.band, 100 * r.share, 100 * r.full, 100 * r.modal) for r in rows)
+    note = "Error of the spectrum's root in each band; integrated: inertia, gravity and air above the section."
+    return Table(name="tower_loads", title="Tower-base loads: two ways, against the time series", columns=columns, rows=body, note=note)

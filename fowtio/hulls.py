@@ -74,7 +74,7 @@ def barge_mesh(
     shape = (length / 2, width / 2)
     return HullMesh(
         part=box(*shape, draft, size, refine=refine, moonpool=moonpool, cap=cap),
-        lid=box_lid(*shape, size, refine=refine, moonpool=moonpool), symmetry="xz yz",
+        lid=box_lid(*shape, size, refine=refine, moonpool=moonpool if cap is None else 0.0), symmetry="xz yz",
     )  # fmt: skip
 
 

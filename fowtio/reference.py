@@ -78,7 +78,9 @@ class Records:
         return [a[self.start :] for a in arrays]
 
 
-def find_channel(name: str, present: Sequence[str], own: Sequence[tuple[str, str, float]] = ()) -> tuple[str, float, float] | None:
+def find_channel(
+    name: str, present: Sequence[str], own: Sequence[tuple[str, str, float]] = ()
+) -> tuple[str, float, float] | None:
     """Return the name in a file of a channel, its sign, and the factor to SI (0: by the unit in the file); None when there is none.
 
     The study's own names come first (own: channel, name, factor, # for a number), then the channel's own name, then what other
@@ -108,7 +110,9 @@ def _instance(channel: str, written: str, name: str) -> str | None:
     return None if found is None else written.replace("#", found[1]) if "#" in channel else written
 
 
-def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequence[str], units: Sequence[str]) -> Records:
+def records_of(
+    series: Sequence[TimeSeries], reference: Reference, names: Sequence[str], units: Sequence[str]
+) -> Records:
     """Return the records of a reference with those of the model's channels (names, SI units) that all files have and that move.
 
     Raises ModelError when nothing can be compared.
@@ -120,9 +124,17 @@ def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequen
     late = sorted({round(float(s.time[0]), 3) for s in series})
     if late != [0.0]:
         severity = "note" if len(late) == 1 else "error"
-        findings.append(Finding(severity=severity, subject="time axis", text=f"records begin at {', '.join(f'{t:g}' for t in late)} s; the transient is counted from there"))
+        findings.append(
+            Finding(
+                severity=severity,
+                subject="time axis",
+                text=f"records begin at {', '.join(f'{t:g}' for t in late)} s; the transient is counted from there",
+            )
+        )
     if min(len(s.time) for s in series) - start < FEWEST_SAMPLES:
-        raise ModelError(f"{series[0].source}: fewer than {FEWEST_SAMPLES} samples remain after {reference.discard:g} s are discarded")
+        raise ModelError(
+            f"{series[0].source}: fewer than {FEWEST_SAMPLES} samples remain after {reference.discard:g} s are discarded"
+        )
     own = reference.channels
     places = {n: [find_channel(n, s.names, own) for s in series] for n in (*names, WAVE, WIND, THRUST)}
     for name, found in places.items():
@@ -131,7 +143,11 @@ def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequen
         lacking = next(s.source for s, p in zip(series, places[WAVE], strict=True) if p is None)
         raise ModelError(f"{lacking} has no wave elevation channel ({WAVE}); name it in the study (table NChan)")
     present = [n for n in names if all(p is not None for p in places[n])]
-    data = {n: [in_si(s, p, u, findings) for s, p in zip(series, places[n], strict=True)] for n, u in zip(names, units, strict=True) if n in present}
+    data = {
+        n: [in_si(s, p, u, findings) for s, p in zip(series, places[n], strict=True)]
+        for n, u in zip(names, units, strict=True)
+        if n in present
+    }
     moving = _moving(data, dict(zip(names, units, strict=True)), start)
     if not moving:
         raise ModelError(f"{series[0].source} has none of the model's channels ({', '.join(names)}) in motion")
@@ -140,7 +156,9 @@ def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequen
     unmatched = tuple(dict.fromkeys(n for s in series for n in s.names if n.lower() not in used))
 
     def read(name, unit):
-        return [in_si(s, p, unit, findings) for s, p in zip(series, places[name], strict=True)] if name in inputs else None
+        return (
+            [in_si(s, p, unit, findings) for s, p in zip(series, places[name], strict=True)] if name in inputs else None
+        )
 
     missing = tuple(n for n in names if n not in present)
     still = tuple((n, max(float(np.std(r[start:])) for r in data[n])) for n in present if n not in moving)
@@ -156,7 +174,13 @@ def records_of(series: Sequence[TimeSeries], reference: Reference, names: Sequen
 def _common_step(series, findings) -> float:
     steps = [float(np.median(np.diff(s.time))) if len(s.time) > 1 else 0.0 for s in series]
     if max(steps) > 1.001 * min(steps):
-        findings.append(Finding(severity="note", subject="time step", text=f"records have steps of {min(steps):g} to {max(steps):g} s; all are taken at {max(steps):g} s"))
+        findings.append(
+            Finding(
+                severity="note",
+                subject="time step",
+                text=f"records have steps of {min(steps):g} to {max(steps):g} s; all are taken at {max(steps):g} s",
+            )
+        )
     return max(steps)
 
 
@@ -167,16 +191,35 @@ def _even(series: TimeSeries, step: float, findings) -> TimeSeries:
         return series
     if np.abs(steps - np.median(steps)).max() > 0.01 * np.median(steps):
         at = series.time[int(np.argmax(np.abs(steps - np.median(steps))))]
-        findings.append(Finding(severity="error", subject=_name(series), text=f"time axis uneven: a step of {np.abs(steps).max():g} s at {at:g} s where {np.median(steps):g} s is usual"))
+        findings.append(
+            Finding(
+                severity="error",
+                subject=_name(series),
+                text=f"time axis uneven: a step of {np.abs(steps).max():g} s at {at:g} s where {np.median(steps):g} s is usual",
+            )
+        )
     time = np.arange(series.time[0], series.time[-1] + step / 2, step)
     data = np.stack([np.interp(time, series.time, c) for c in series.data.T], axis=1)
-    return TimeSeries(time=time, data=data, names=series.names, units=series.units, description=series.description, source=series.source)
+    return TimeSeries(
+        time=time,
+        data=data,
+        names=series.names,
+        units=series.units,
+        description=series.description,
+        source=series.source,
+    )
 
 
 def _note_partly_missing(name, found, series, findings) -> None:
     lacking = [_name(s) for s, p in zip(series, found, strict=True) if p is None]
     if lacking and len(lacking) < len(series):
-        findings.append(Finding(severity="error", subject=name, text=f"channel missing in {', '.join(lacking)}, present in the other records; it is not compared"))
+        findings.append(
+            Finding(
+                severity="error",
+                subject=name,
+                text=f"channel missing in {', '.join(lacking)}, present in the other records; it is not compared",
+            )
+        )
 
 
 def in_si(series: TimeSeries, place, unit: str, findings: list[Finding]) -> np.ndarray:
@@ -188,9 +231,17 @@ def in_si(series: TimeSeries, place, unit: str, findings: list[Finding]) -> np.n
     if factor:
         return series.channel(name) * sign * factor
     if plain not in _TO_SI:
-        findings.append(Finding(severity="error", subject=name, text=f"unit {written!r} is not known; taken as {unit}. Give a factor in the study (table NChan)"))
+        findings.append(
+            Finding(
+                severity="error",
+                subject=name,
+                text=f"unit {written!r} is not known; taken as {unit}. Give a factor in the study (table NChan)",
+            )
+        )
     elif kind and expected and kind != expected:
-        findings.append(Finding(severity="error", subject=name, text=f"unit {written!r} is of {kind}, expected {expected} ({unit})"))
+        findings.append(
+            Finding(severity="error", subject=name, text=f"unit {written!r} is of {kind}, expected {expected} ({unit})")
+        )
     elif not plain.strip("-"):
         findings.append(Finding(severity="note", subject=name, text=f"no unit in {_name(series)}; taken as {unit}"))
     return series.channel(name) * sign * _TO_SI.get(plain, 1.0)

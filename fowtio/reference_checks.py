@@ -38,7 +38,13 @@ def length_findings(records: Records, found: Estimate, longest_period: float) ->
         for j in range(i):
             b = records.waves[j]
             if np.ptp(a) > 0 and len(a) == len(b) and np.array_equal(a, b):
-                out.append(Finding(severity="error", subject=names[i], text=f"the same waves as {names[j]}: not an independent record"))
+                out.append(
+                    Finding(
+                        severity="error",
+                        subject=names[i],
+                        text=f"the same waves as {names[j]}: not an independent record",
+                    )
+                )
     return out
 
 
@@ -52,7 +58,12 @@ def sea_findings(records: Records, spectrum: np.ndarray, hz: np.ndarray) -> list
     if abs(ratio - 1) > 0.1:
         out.append(Finding(severity="error", subject=WAVE, text=(
             f"waves of another height: 4σ is {4 * np.sqrt(variance):.3g} m in the records, {4 * np.sqrt(expected):.3g} m in the state")))  # fmt: skip
-    own = estimate(records.cut(records.waves), [w[:, None] for w in records.cut(records.waves)], records.step, min(200.0, records.shortest))
+    own = estimate(
+        records.cut(records.waves),
+        [w[:, None] for w in records.cut(records.waves)],
+        records.step,
+        min(200.0, records.shortest),
+    )
     means = [trapezoid(f * s, f) / trapezoid(s, f) for f, s in ((hz, spectrum), (own.frequency, own.input_spectrum))]
     if abs(means[1] / means[0] - 1) > 0.1:
         out.append(Finding(severity="error", subject=WAVE, text=(
@@ -61,7 +72,13 @@ def sea_findings(records: Records, spectrum: np.ndarray, hz: np.ndarray) -> list
 
 
 def agreement_findings(
-    records: Records, transfer: np.ndarray, hz: np.ndarray, segment: float, depth: float, gravity: float, exact: Sequence[str]
+    records: Records,
+    transfer: np.ndarray,
+    hz: np.ndarray,
+    segment: float,
+    depth: float,
+    gravity: float,
+    exact: Sequence[str],
 ) -> list[Finding]:
     """Return what does not fit between waves and channels of each record: shifted axes, other wave places, signs, units.
 
@@ -69,7 +86,10 @@ def agreement_findings(
     size the waves determine, so that units can be told.
     """
     out: list[Finding] = []
-    each = [estimate([w], [y], records.step, segment) for w, y in zip(records.cut(records.waves), records.cut(records.channels), strict=True)]
+    each = [
+        estimate([w], [y], records.step, segment)
+        for w, y in zip(records.cut(records.waves), records.cut(records.channels), strict=True)
+    ]
     aligned = [_Alignment(e, transfer, hz, depth, gravity) for e in each]
     for file, a in zip(records.files, aligned, strict=True):
         out += _shift_findings(_name(file), a)
@@ -78,27 +98,54 @@ def agreement_findings(
         return out
     score = np.median([a.score for a in usable], axis=0)
     if np.all(score < -0.5):
-        return [*out, Finding(severity="error", subject=WAVE, text="wrong sign: every channel moves against the model's; the wave elevation has the other sign")]
+        return [
+            *out,
+            Finding(
+                severity="error",
+                subject=WAVE,
+                text="wrong sign: every channel moves against the model's; the wave elevation has the other sign",
+            ),
+        ]
     size, sure = np.median([a.size for a in usable], axis=0), np.median([a.shares for a in usable], axis=0) > 0.3
     for k, name in enumerate(records.names):
         if not sure[k]:
             continue
         turned = [a.belongs and a.score[k] < -0.5 for a in aligned]
         if all(t for t, a in zip(turned, aligned, strict=True) if a.belongs):
-            out.append(Finding(severity="error", subject=name, text=f"wrong sign: its part that follows the waves is the model's turned round (correlation {score[k]:.2f})"))
+            out.append(
+                Finding(
+                    severity="error",
+                    subject=name,
+                    text=f"wrong sign: its part that follows the waves is the model's turned round (correlation {score[k]:.2f})",
+                )
+            )
         elif any(turned):
             alone = ", ".join(_name(f) for f, t in zip(records.files, turned, strict=True) if t)
             out.append(Finding(severity="error", subject=name, text=f"wrong sign in {alone} alone"))
         elif score[k] < 0.5 and name in exact:
-            out.append(Finding(severity="note", subject=name, text=f"does not follow the waves as the model does (correlation of the coherent parts {score[k]:.2f})"))
+            out.append(
+                Finding(
+                    severity="note",
+                    subject=name,
+                    text=f"does not follow the waves as the model does (correlation of the coherent parts {score[k]:.2f})",
+                )
+            )
         out += _size_finding(name, float(size[k]), name in exact)
         for file, a in zip(records.files, aligned, strict=True):
             if a.belongs and name in exact and not 0.5 < a.size[k] / size[k] < 2:
-                out.append(Finding(severity="error", subject=name, text=f"in {_name(file)} {a.size[k] / size[k]:.3g} times the size of the other records"))
+                out.append(
+                    Finding(
+                        severity="error",
+                        subject=name,
+                        text=f"in {_name(file)} {a.size[k] / size[k]:.3g} times the size of the other records",
+                    )
+                )
     return out
 
 
-def still_findings(still: Sequence[tuple[str, float]], names: Sequence[str], std: np.ndarray, units: Sequence[str]) -> list[Finding]:
+def still_findings(
+    still: Sequence[tuple[str, float]], names: Sequence[str], std: np.ndarray, units: Sequence[str]
+) -> list[Finding]:
     """Return channels that hardly move in the records (name, σ) though the model's do: names, std, units (c) are the model's."""
     out = []
     for name, found in still:
@@ -107,7 +154,13 @@ def still_findings(still: Sequence[tuple[str, float]], names: Sequence[str], std
         if std[k] > 0.05 * largest:
             ratio = found / std[k]
             words = next((f": {text}" for factor, text in FACTORS.items() if abs(ratio / factor - 1) < 0.3), "")
-            out.append(Finding(severity="error", subject=name, text=f"hardly moves: σ is {found:.3g} {units[k]} in the records, {std[k]:.3g} in the model{words}; it is not compared"))
+            out.append(
+                Finding(
+                    severity="error",
+                    subject=name,
+                    text=f"hardly moves: σ is {found:.3g} {units[k]} in the records, {std[k]:.3g} in the model{words}; it is not compared",
+                )
+            )
     return out
 
 
@@ -129,7 +182,9 @@ class _Alignment:
         late = np.arange(-_REACH, _REACH + _FINE / 2, _FINE)
         self.late, in_time = _best(product, np.exp(2j * np.pi * np.outer(late, f)), late)
         away = np.arange(-300.0, 300.25, 0.5)
-        self.away, in_place = _best(product, np.exp(-1j * np.outer(away, wavenumber(2 * np.pi * f, depth, gravity))), away)
+        self.away, in_place = _best(
+            product, np.exp(-1j * np.outer(away, wavenumber(2 * np.pi * f, depth, gravity))), away
+        )
         now = np.abs(product.sum(axis=0).real).mean()
         self.gain_time, self.gain_place = in_time - now, in_place - now
         turn = 1.0
@@ -163,7 +218,13 @@ def _shift_findings(file: str, a: _Alignment) -> list[Finding]:
             f"shifted by more than {_REACH:.0f} s"))]  # fmt: skip
     if a.is_late:
         word = "after" if a.late > 0 else "before"
-        return [Finding(severity="error", subject=file, text=f"time axis shifted: the channels come {abs(a.late):.1f} s {word} what the waves say")]
+        return [
+            Finding(
+                severity="error",
+                subject=file,
+                text=f"time axis shifted: the channels come {abs(a.late):.1f} s {word} what the waves say",
+            )
+        ]
     if a.is_away:
         where = "down" if a.away > 0 else "up"
         return [Finding(severity="error", subject=file, text=(
@@ -176,7 +237,9 @@ def _size_finding(name: str, ratio: float, exact: bool) -> list[Finding]:
     if not exact or 0.55 < ratio < 1.8:
         return []
     words = next((text for factor, text in FACTORS.items() if abs(ratio / factor - 1) < 0.15), None)
-    text = f"{ratio:.3g} times the model's response to waves" + (f": {words}" if words else "; is it the same quantity?")
+    text = f"{ratio:.3g} times the model's response to waves" + (
+        f": {words}" if words else "; is it the same quantity?"
+    )
     return [Finding(severity="error" if words else "note", subject=name, text=text)]
 
 

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import kurtosis
 
 from fowtio.case import StateEntry
-from fowtio.case_validation import Reference, Tolerance
+from fowtio.case_validation import Reference
 from fowtio.errors import ModelError
 from fowtio.read.openfast_out import TimeSeries, read_openfast_out
 from fowtio.reference import Finding, Records, records_of
 from fowtio.reference_checks import agreement_findings, length_findings, sea_findings, still_findings
-from fowtio.validation_lack import DecayComparison, Lack, compare_decay, lacking
+from fowtio.validation_lack import DecayComparison, compare_decay, lacking
 from fowtio.validation_model import (
     THRUST_TOP,
     ModelSide,
@@ -30,6 +29,16 @@ from fowtio.validation_model import (
     rotor_wind,
     smoothed_rao,
     smoothed_spectrum,
+)
+from fowtio.validation_types import (
+    NAN,
+    NOT_JUDGED,
+    OUTSIDE,
+    SCATTER,
+    WITHIN,
+    ChannelComparison,
+    Histories,
+    Validation,
 )
 from fowtio.workflow import Model
 from model.response.identify import SEGMENT, Estimate, choose_segment, estimate
@@ -48,137 +57,7 @@ from model.response.measures import (
 from model.response.reconstruct import correlation, driven_by, with_phases_of
 from model.response.statistics import statistics
 
-WITHIN, SCATTER, OUTSIDE, NOT_JUDGED = "within", "within scatter", "outside", "not judged"
 HIGHEST = 0.45  # Hz, of reconstructed time histories
-NAN = float("nan")
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ChannelComparison:
-    """One channel, model against reference; errors are fractions, NaN where a figure does not apply. docs/validation.md defines them.
-
-    std_error: σ of model over reference less one, in the reference's own wave spectrum (and the wind that its rotor felt);
-    std_error_state: in the state's spectra; hub: with the wind of the reference at the hub; same_waves: driven by the reference's own
-    wave records (and that wind); nonlinear: likewise, with quadratic drag itself; memory: that and
-    the radiation memory as HydroDyn convolves it. scatter and interval (half width, 95 %) are the reference's own from seed to seed.
-    rao_error weighs amplitudes by energy over the whole band, band_errors (4) over bands; estimator_error is what a perfect model
-    would have. correlation: time history with the model's amplitudes and the reference's phases; correlation_same_waves: predicted
-    from the waves (and that wind). Verdicts of the standard deviation, that in the state's own wind (where the seeds' interval
-    counts), the mean and the RAO.
-    """
-
-    name: str
-    unit: str
-    written: str
-    std_model: float
-    std_reference: float
-    std_error: float
-    std_error_state: float
-    std_error_hub: float
-    std_error_same_waves: float
-    std_error_nonlinear: float
-    std_error_memory: float
-    scatter: float
-    interval: float
-    mean_model: float
-    mean_reference: float
-    mean_error: float
-    mean_error_rest: float
-    mean_interval: float
-    rao_error: float
-    rao_error_same_waves: float
-    rao_error_nonlinear: float
-    rao_error_memory: float
-    estimator_error: float
-    log_error: float
-    band_errors: tuple[float, ...]
-    coherence_mean: float
-    peak_frequency: float
-    peak_frequency_error: float
-    peak_error: float
-    peak_leakage: float
-    extreme_model: float
-    extreme_reference: float
-    excess_kurtosis: float
-    correlation: float
-    correlation_same_waves: float
-    tolerance: Tolerance
-    std_verdict: str
-    state_verdict: str
-    mean_verdict: str
-    rao_verdict: str
-
-    @property
-    def verdict(self) -> str:
-        """The worst of the verdicts, "not judged" without any."""
-        found = [v for v in (self.std_verdict, self.state_verdict, self.mean_verdict, self.rao_verdict) if v != NOT_JUDGED]
-        return next((v for v in (OUTSIDE, SCATTER, WITHIN) if v in found), NOT_JUDGED)
-
-    @property
-    def passed(self) -> bool:
-        """Whether nothing that is judged is outside its tolerance."""
-        return self.verdict != OUTSIDE
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Histories:
-    """Parts of the first record in time (t) [s], deviations from the mean (t, c): reference, model's amplitudes with the reference's
-    phases, prediction from the waves (NaN with wind).
-    """
-
-    time: np.ndarray
-    reference: np.ndarray
-    phases: np.ndarray
-    predicted: np.ndarray
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Validation:
-    """A comparison of one state with its time series.
-
-    kind: "waves" (RAOs against one long-crested sea), "spectra" (wind or several headings) or "mean" (nothing moves). channels;
-    estimate of the reference and model_rao (smoothed by its window), model_rao_raw, model_phase [rad], quadratic_rao, memory_rao on its frequencies (n, c);
-    model_spectrum and model_spectrum_raw (n, c) per Hz in the reference's own inputs, wave_part (n, c) what the waves give of it;
-    histograms: edges (b + 1) in standard deviations and the reference's densities (b, c);
-    narrowest half-power width [Hz] of a peak; unmatched channels of the reference, missing ones; findings; lack, what the linear model
-    lacks; histories; errors of the state's waves, wind
-    at the hub and wind of the rotor (standard deviation over the records' less one), felt_wind, whether the records tell the latter.
-    """
-
-    state: str
-    kind: str
-    files: tuple[str, ...]
-    channels: tuple[ChannelComparison, ...]
-    tolerance: float
-    discard: float
-    duration: float
-    step: float
-    unmatched: tuple[str, ...]
-    missing: tuple[str, ...]
-    findings: tuple[Finding, ...]
-    estimate: Estimate | None = None
-    model_rao: np.ndarray | None = None
-    model_rao_raw: np.ndarray | None = None
-    model_phase: np.ndarray | None = None
-    quadratic_rao: np.ndarray | None = None
-    memory_rao: np.ndarray | None = None
-    model_spectrum: np.ndarray | None = None
-    model_spectrum_raw: np.ndarray | None = None
-    wave_part: np.ndarray | None = None
-    histogram_edges: np.ndarray | None = None
-    histograms: np.ndarray | None = None
-    narrowest: float = NAN
-    lack: Lack | None = None
-    histories: Histories | None = None
-    wave_error: float = NAN
-    wind_error: float = NAN
-    felt_error: float = NAN
-    felt_wind: bool = False
-
-    @property
-    def passed(self) -> bool:
-        """Whether every channel is within its tolerances and nothing is wrong with the reference."""
-        return all(c.passed for c in self.channels) and not any(f.severity == "error" for f in self.findings)
 
 
 def validate(
@@ -226,7 +105,9 @@ def _segment(model: Model, state: StateEntry, records: Records) -> float:
     return choose_segment(records.shortest, longest=SEGMENT)
 
 
-def _findings(model: Model, state: StateEntry, records: Records, side: ModelSide, found: Estimate) -> tuple[Finding, ...]:
+def _findings(
+    model: Model, state: StateEntry, records: Records, side: ModelSide, found: Estimate
+) -> tuple[Finding, ...]:
     """Return everything that is doubtful about the reference."""
     driven = [w for n, w in zip(side.modes.names, side.modes.frequency, strict=True) if _moves(n, records)]
     out = [*records.findings, *length_findings(records, found, 2 * np.pi / min(driven, default=2 * np.pi / 10))]
@@ -251,7 +132,9 @@ def _moves(mode: str, records: Records) -> bool:
     return channel in records.names
 
 
-def _compare_rao(model, state, reference, records: Records, side: ModelSide, found: Estimate, nonlinear, progress) -> Validation:
+def _compare_rao(
+    model, state, reference, records: Records, side: ModelSide, found: Estimate, nonlinear, progress
+) -> Validation:
     """Return the comparison for one long-crested sea: RAOs, and the model driven by the very waves of each record."""
     f, df = found.frequency, found.frequency[1]
     full = [w[:, None] for w in records.waves]
@@ -287,7 +170,20 @@ def _compare_rao(model, state, reference, records: Records, side: ModelSide, fou
     raw_spectrum = np.nan_to_num(raw) ** 2 * waves[:, None]
     fine = np.abs(side.to_wave[side.main]) ** 2 * np.interp(side.hz, f, waves)[:, None]
     histories, phases, real = _histories(records, fine, side, predicted)
-    channels = _channels(model, side, reference, records, found, figures, (target, clean, raw), fine, phases, real, side.mean, scatter_counts=False)
+    channels = _channels(
+        model,
+        side,
+        reference,
+        records,
+        found,
+        figures,
+        (target, clean, raw),
+        fine,
+        phases,
+        real,
+        side.mean,
+        scatter_counts=False,
+    )
     lack = lacking(side, records, found, waves=side.waves, wind=None)
     return Validation(
         **_common(state, "waves", reference, records, channels), estimate=found, model_rao=smooth, model_rao_raw=raw, model_phase=phase_at(side, found),
@@ -298,11 +194,17 @@ def _compare_rao(model, state, reference, records: Records, side: ModelSide, fou
     )  # fmt: skip
 
 
-def _compare_spectra(model, state, reference, records: Records, side: ModelSide, found: Estimate, nonlinear, progress) -> Validation:
+def _compare_spectra(
+    model, state, reference, records: Records, side: ModelSide, found: Estimate, nonlinear, progress
+) -> Validation:
     """Return the comparison for wind and waves: spectra, standard deviations, means; nothing can be driven by the very wind."""
     f = found.frequency
     felt = rotor_wind(side, records, model.deck.elastodyn.structure)
-    waves, wind, ratio = own_waves(side, found), own_wind(side, records, felt, found.segment), hub_ratio(side, records, found.segment)
+    waves, wind, ratio = (
+        own_waves(side, found),
+        own_wind(side, records, felt, found.segment),
+        hub_ratio(side, records, found.segment),
+    )
     of_waves, of_wind = response_spectrum(side, waves, wind, side.gradients)
     spectrum, nominal = of_waves + of_wind, sum(response_spectrum(side, side.waves, side.wind, side.gradients))
     seen = seen_by_record(side.hz, records.shortest)[:, None]
@@ -310,7 +212,11 @@ def _compare_spectra(model, state, reference, records: Records, side: ModelSide,
     wave_part, _ = smoothed_spectrum(side, of_waves, found, records.step)
     amplitude, target = np.sqrt(np.nan_to_num(smooth)), np.sqrt(found.output_spectrum)
     empty = np.full(len(records.names), NAN)
-    at_hub = empty if ratio is None else _std(sum(response_spectrum(side, waves, side.wind * ratio, side.gradients * ratio)) * seen, side)
+    at_hub = (
+        empty
+        if ratio is None
+        else _std(sum(response_spectrum(side, waves, side.wind * ratio, side.gradients * ratio)) * seen, side)
+    )
     predicted = None if felt is None or len(side.waves) > 1 else [
         _driven(w, records, side) + _cut_driven(u, records, side) for w, u in zip(records.waves, felt, strict=True)
     ]  # fmt: skip
@@ -398,13 +304,19 @@ def _histories(records: Records, spectrum, side: ModelSide, predicted) -> tuple[
     real, borrowed, from_waves = [], [], []
     for k, y in enumerate(records.cut(records.channels)):
         y = y - y.mean(axis=0)
-        own = np.stack([with_phases_of(y[:, c], records.step, spectrum[:, c], side.hz, HIGHEST) for c in range(y.shape[1])], axis=1)
+        own = np.stack(
+            [with_phases_of(y[:, c], records.step, spectrum[:, c], side.hz, HIGHEST) for c in range(y.shape[1])], axis=1
+        )
         borrowed.append(correlation(own, y))
         from_waves.append(correlation(predicted[k], y) if predicted is not None else np.full(y.shape[1], NAN))
         if k == 0:
             real = [y, own, predicted[0] - predicted[0].mean(axis=0) if predicted is not None else np.full_like(y, NAN)]
     time = (records.start + np.arange(len(real[0]))) * records.step
-    return Histories(time=time, reference=real[0], phases=real[1], predicted=real[2]), np.mean(borrowed, axis=0), np.mean(from_waves, axis=0)
+    return (
+        Histories(time=time, reference=real[0], phases=real[1], predicted=real[2]),
+        np.mean(borrowed, axis=0),
+        np.mean(from_waves, axis=0),
+    )
 
 
 def _distribution(records: Records) -> dict:
@@ -423,7 +335,21 @@ def _narrowest(side: ModelSide, records: Records) -> float:
     return float(min(widths, default=NAN))
 
 
-def _channels(model, side, reference, records, found: Estimate, figures, magnitudes, spectrum, phases, real, means, *, scatter_counts) -> tuple[ChannelComparison, ...]:
+def _channels(
+    model,
+    side,
+    reference,
+    records,
+    found: Estimate,
+    figures,
+    magnitudes,
+    spectrum,
+    phases,
+    real,
+    means,
+    *,
+    scatter_counts,
+) -> tuple[ChannelComparison, ...]:
     """Return all figures of every channel; magnitudes are those of reference, model and model unsmoothed, RAOs or amplitude spectra."""
     f = found.frequency
     target, smooth, raw = magnitudes
@@ -443,7 +369,11 @@ def _channels(model, side, reference, records, found: Estimate, figures, magnitu
         (f_model,), (h_model,) = peak(smooth[:, [k]], f, near)
         (_, (h_raw,)) = peak(np.nan_to_num(raw[:, [k]]), f, near)
         tolerance = reference.tolerance_of(name)
-        allowed = (float(np.nan_to_num(interval[k])), float(np.nan_to_num(mean_interval[k]))) if scatter_counts else (0.0, 0.0)
+        allowed = (
+            (float(np.nan_to_num(interval[k])), float(np.nan_to_num(mean_interval[k])))
+            if scatter_counts
+            else (0.0, 0.0)
+        )
         driven = np.isfinite(figures["std_error_same_waves"][k])
         std_verdict = _verdict(figures["std_error"][k], tolerance.std, 0.0 if driven else allowed[0])
         state_verdict = _verdict(figures["std_error_state"][k], tolerance.std if scatter_counts else None, allowed[0])
@@ -478,7 +408,9 @@ def _resonance(side: ModelSide, reference: np.ndarray, f: np.ndarray) -> tuple[f
     return 0.75 * best, 1.25 * best
 
 
-def write_validation(found: Sequence[Validation], folder, *, progress: Callable[[str], None] = lambda text: None, **more) -> list:
+def write_validation(
+    found: Sequence[Validation], folder, *, progress: Callable[[str], None] = lambda text: None, **more
+) -> list:
     """Write the comparison: report, workbook, figures as PNG and SVG, tables as CSV; return the files written.
 
     more: model (for report and workbook), decays and figures, as in `fowtio.write.validation.write_comparison`.

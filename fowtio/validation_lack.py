@@ -72,7 +72,9 @@ class Lack:
     restoring: np.ndarray
 
 
-def compare_decay(model: Model, reference: DecayReference, *, progress: Callable[[str], None] = lambda text: None) -> DecayComparison:
+def compare_decay(
+    model: Model, reference: DecayReference, *, progress: Callable[[str], None] = lambda text: None
+) -> DecayComparison:
     """Return a decay test beside the model; raise ModelError when channel or mode is not there, or nothing decays."""
     progress(f"decay of {reference.channel}")
     point = model.at(reference.wind_speed)
@@ -113,7 +115,9 @@ def lacking(
     response, point = side.response, side.point
     hertz = dict(zip(side.modes.names, side.modes.frequency / (2 * np.pi), strict=True))
     ratios = dict(zip(side.modes.names, side.modes.damping_ratio, strict=True))
-    chosen = [d for d in FITTED if hertz.get(d, 0) > BAND[0] and hertz[d] < 0.2 and MOTION_CHANNELS[d][0] in records.names]
+    chosen = [
+        d for d in FITTED if hertz.get(d, 0) > BAND[0] and hertz[d] < 0.2 and MOTION_CHANNELS[d][0] in records.names
+    ]
     if wind is not None:
         chosen = [d for d in chosen if d in ("surge", "heave", "pitch")]
     if not chosen:
@@ -139,7 +143,18 @@ def lacking(
     places = [point.system.dofs.index(d) for d in chosen]
     restoring = np.diag(point.mean.stiffness)[places]
     critical = 2 * restoring / (2 * np.pi * np.array([hertz[d] for d in chosen]))
-    terms = missing_terms(chosen, places, 2 * np.pi * hz, dynamic, transfer, np.stack(spectra, axis=1), weights, reference, critical, restoring)
+    terms = missing_terms(
+        chosen,
+        places,
+        2 * np.pi * hz,
+        dynamic,
+        transfer,
+        np.stack(spectra, axis=1),
+        weights,
+        reference,
+        critical,
+        restoring,
+    )
     return Lack(
         terms=terms, frequency=np.array([hertz[d] for d in chosen]), damping_ratio=np.array([ratios[d] for d in chosen]), critical=critical,
         restoring=restoring,

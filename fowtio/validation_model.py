@@ -116,10 +116,14 @@ def phase_at(side: ModelSide, found: Estimate) -> np.ndarray:
     return np.angle(at_estimate(np.concatenate([turns[:1], turns]), side, found))
 
 
-def smoothed_spectrum(side: ModelSide, spectrum: np.ndarray, found: Estimate, sample: float) -> tuple[np.ndarray, np.ndarray]:
+def smoothed_spectrum(
+    side: ModelSide, spectrum: np.ndarray, found: Estimate, sample: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Return spectra (n, c) on the side's frequencies as the estimate's window shows them, on its frequencies, and raw."""
     full = np.concatenate([spectrum[:1], spectrum])
-    return at_estimate(smooth_like_welch(full, side.step, found.segment, sample), side, found), at_estimate(full, side, found)
+    return at_estimate(smooth_like_welch(full, side.step, found.segment, sample), side, found), at_estimate(
+        full, side, found
+    )
 
 
 def at_estimate(values: np.ndarray, side: ModelSide, found: Estimate) -> np.ndarray:
@@ -131,7 +135,9 @@ def at_estimate(values: np.ndarray, side: ModelSide, found: Estimate) -> np.ndar
     return out
 
 
-def response_spectrum(side: ModelSide, waves: np.ndarray, wind: np.ndarray, gradients: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def response_spectrum(
+    side: ModelSide, waves: np.ndarray, wind: np.ndarray, gradients: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return response spectra (n, c) per Hz from wave spectra (m, n), and from spectra of the rotor's wind and its gradients (n)."""
     of_waves = np.einsum("mnc,mn->nc", np.abs(side.to_wave) ** 2, waves)
     of_gradients = (np.abs(side.to_gradients) ** 2).sum(axis=0) * gradients[:, None]
@@ -212,7 +218,10 @@ def window_matrix(hz: np.ndarray, frequency: np.ndarray, segment: float, sample:
     step = hz[1] - hz[0]
     length = round(segment / sample)
     reach = np.arange(-round(8 / segment / step), round(8 / segment / step) + 1)
-    power = np.abs(np.exp(-2j * np.pi * np.outer(reach * step, np.arange(length) * sample)) @ get_window("hann", length)) ** 2
+    power = (
+        np.abs(np.exp(-2j * np.pi * np.outer(reach * step, np.arange(length) * sample)) @ get_window("hann", length))
+        ** 2
+    )
     power /= power.sum()
     out = np.zeros((len(frequency), len(hz)))
     for row, f in enumerate(frequency):

@@ -62,7 +62,13 @@ def cards(found: Sequence, decays: Sequence = ()) -> list[Card]:
     judged = [c for i in found for c in i.channels if c.verdict != "not judged"]
     good = sum(c.passed for c in judged) + sum(d.passed for d in decays)
     wrong = sum(f.severity == "error" for i in found for f in i.findings)
-    out = [Card(label="Judged figures inside their tolerance", value=f"{good} of {len(judged) + len(decays)}", note=f"{wrong} doubts about the reference" if wrong else "nothing wrong with the reference")]
+    out = [
+        Card(
+            label="Judged figures inside their tolerance",
+            value=f"{good} of {len(judged) + len(decays)}",
+            note=f"{wrong} doubts about the reference" if wrong else "nothing wrong with the reference",
+        )
+    ]
     for item in found:
         worst = [c for c in item.channels if c.verdict != "not judged"]
         if not worst:
@@ -71,10 +77,22 @@ def cards(found: Sequence, decays: Sequence = ()) -> list[Card]:
         c = max(worst, key=key)
         value = c.mean_error if item.kind == "mean" else c.std_error
         what = "mean" if item.kind == "mean" else "σ"
-        out.append(Card(label=f"Largest error of {what}, {item.state}", value=f"{100 * value:+.1f} %".replace("-", "−"), note=c.name))
+        out.append(
+            Card(
+                label=f"Largest error of {what}, {item.state}",
+                value=f"{100 * value:+.1f} %".replace("-", "−"),
+                note=c.name,
+            )
+        )
     if decays:
         d = max(decays, key=lambda x: abs(x.period_error))
-        out.append(Card(label="Largest error of a decay's period", value=f"{100 * d.period_error:+.2f} %".replace("-", "−"), note=d.channel))
+        out.append(
+            Card(
+                label="Largest error of a decay's period",
+                value=f"{100 * d.period_error:+.2f} %".replace("-", "−"),
+                note=d.channel,
+            )
+        )
     return out
 
 
@@ -83,7 +101,9 @@ def _overview(found, decays) -> Section:
         "<p>Errors in per cent, and small what is allowed. Green: within the tolerance of the study. Yellow: outside, but within the 95 % interval of the "
         "reference's own seeds. Red: outside. Grey: no tolerance named. In wind, σ is judged twice: in the wind that the reference's rotor felt, and in the state's.</p>"
     )
-    return Section(title="Overview", content=(words, traffic_lights(found, decays)), fold=(tables.overview(found, decays),))
+    return Section(
+        title="Overview", content=(words, traffic_lights(found, decays)), fold=(tables.overview(found, decays),)
+    )
 
 
 def traffic_lights(found: Sequence, decays: Sequence = ()) -> str:
@@ -93,22 +113,33 @@ def traffic_lights(found: Sequence, decays: Sequence = ()) -> str:
         judged = [("σ", "std", [(c, c.std_error, c.std_verdict) for c in item.channels]), ("σ, state's wind", "std", [(c, c.std_error_state, c.state_verdict) for c in item.channels]), ("mean", "mean", [(c, c.mean_error, c.mean_verdict) for c in item.channels]),
                   ("RAO", "rao", [(c, c.rao_error, c.rao_verdict) for c in item.channels])]  # fmt: skip
         for label, key, values in judged:
-            if (label != "σ" and all(v == "not judged" for *_, v in values)) or all(not np.isfinite(e) for _, e, _ in values):
+            if (label != "σ" and all(v == "not judged" for *_, v in values)) or all(
+                not np.isfinite(e) for _, e, _ in values
+            ):
                 continue
             heads.append((tables.title(item), label))
             for c, error, verdict in values:
                 cells[c.name, n, label] = (error, getattr(c.tolerance, key), verdict)
-    keys = [(n, label) for n, item in enumerate(found) for label in ("σ", "σ, state's wind", "mean", "RAO") if any(k[1:] == (n, label) for k in cells)]
+    keys = [
+        (n, label)
+        for n, item in enumerate(found)
+        for label in ("σ", "σ, state's wind", "mean", "RAO")
+        if any(k[1:] == (n, label) for k in cells)
+    ]
     if decays:
         heads.append(("decay", "period"))
         keys.append((-1, "period"))
-        cells |= {(d.channel, -1, "period"): (d.period_error, d.tolerance, "within" if d.passed else "outside") for d in decays}
+        cells |= {
+            (d.channel, -1, "period"): (d.period_error, d.tolerance, "within" if d.passed else "outside")
+            for d in decays
+        }
     names = list(dict.fromkeys(name for name, *_ in cells))
     spans = [(title, sum(h[0] == title for h in heads)) for title in dict.fromkeys(h[0] for h in heads)]
     first = "".join(f'<th class="n" colspan="{count}">{_escaped(title)}</th>' for title, count in spans)
     second = "".join(f'<th class="n">{_escaped(label)}</th>' for _, label in heads)
     body = "".join(
-        f"<tr><td class='s'>{_escaped(name)}</td>" + "".join(_light(cells.get((name, *key))) for key in keys) + "</tr>" for name in names
+        f"<tr><td class='s'>{_escaped(name)}</td>" + "".join(_light(cells.get((name, *key))) for key in keys) + "</tr>"
+        for name in names
     )
     return f"<style>{_LIGHTS}</style><div class='table lights'><table><thead><tr><th></th>{first}</tr><tr><th>Channel</th>{second}</tr></thead><tbody>{body}</tbody></table></div>"
 
@@ -127,14 +158,18 @@ def _light(cell) -> str:
     limit = f" <small>{100 * allowed:g}</small>" if allowed else " <small>–</small>"
     return (
         f"<td class='n' title='{_escaped(verdict)}'><span class='light' style='background:{_COLOURS[verdict]}'></span>"
-        f"<span hidden>{_escaped(verdict)}: </span>{100 * error:+.2f}{limit}</td>".replace("+-", "−").replace(">-", ">−")
+        f"<span hidden>{_escaped(verdict)}: </span>{100 * error:+.2f}{limit}</td>".replace("+-", "−").replace(
+            ">-", ">−"
+        )
     )
 
 
 def _doubts(found, decays) -> Section:
     table = tables.findings(found, decays)
     words = "<p>Checked: signs, units, time axes, wave channels, wave height and period, lengths of the records, missing channels, records given twice.</p>"
-    return Section(title="Is it the right reference?", content=(words, table if table is not None else "<p>Nothing to note.</p>"))
+    return Section(
+        title="Is it the right reference?", content=(words, table if table is not None else "<p>Nothing to note.</p>")
+    )
 
 
 def _state_section(model, item, pictures) -> Section:
@@ -143,11 +178,17 @@ def _state_section(model, item, pictures) -> Section:
     own = tuple(p for p in pictures if p.group == f"validation {item.state}") if item.kind != "mean" else ()
     more = (tables.bands(item),) if item.estimate is not None else ()
     lack = tables.lack(item)
-    return Section(title=f"{item.state}: {tables.KINDS[item.kind]}", content=(words, *tables.channels(item), *own, *([lack] if lack else [])), fold=(*more, tables.mapping(item)))
+    return Section(
+        title=f"{item.state}: {tables.KINDS[item.kind]}",
+        content=(words, *tables.channels(item), *own, *([lack] if lack else [])),
+        fold=(*more, tables.mapping(item)),
+    )
 
 
 def _decay_section(decays, pictures) -> Section:
-    return Section(title="Decay tests", content=(tables.decay_table(decays), *(p for p in pictures if p.group == "decays")))
+    return Section(
+        title="Decay tests", content=(tables.decay_table(decays), *(p for p in pictures if p.group == "decays"))
+    )
 
 
 def _method_section(found) -> Section:
@@ -162,7 +203,10 @@ def _method_section(found) -> Section:
         "kernel, its length, step and lag, besides.",
         "Verdicts: within the tolerance that the study names; else within the 95 % interval of the reference's seeds (only in wind); else outside.",
     )
-    return Section(title="How it was measured", content=(tables.settings(found), "<ul>" + "".join(f"<li>{_escaped(r)}</li>" for r in rules) + "</ul>"))
+    return Section(
+        title="How it was measured",
+        content=(tables.settings(found), "<ul>" + "".join(f"<li>{_escaped(r)}</li>" for r in rules) + "</ul>"),
+    )
 
 
 def _provenance(model, found, decays) -> Section:
@@ -173,7 +217,9 @@ def _provenance(model, found, decays) -> Section:
         f"<p>To make this report again, in the folder of the study:</p><pre>{_escaped(command)}</pre><p>Drag linearised for the {_escaped(options.drag_model)} velocity; "
         f"excitation below the data: {_escaped(options.low_frequency_excitation)}; wind {_escaped(options.wind_spectrum)}, {_escaped(options.wind_averaging)}.</p>"
     )
-    return Section(title="Versions, settings and files", content=(words, versions()), fold=(tables.files(model, found, decays),))
+    return Section(
+        title="Versions, settings and files", content=(words, versions()), fold=(tables.files(model, found, decays),)
+    )
 
 
 def _draw(found, decays, folder: Path, model, figures: bool, progress) -> list:
@@ -192,7 +238,16 @@ def _workbook(model, found, decays, path: Path) -> None:
     doubts = tables.findings(found, decays)
     book.sheet("Doubts", [doubts if doubts is not None else _none("findings", "Doubts about the reference")])
     for item in found:
-        more = [t for t in (*tables.channels(item), tables.bands(item) if item.estimate is not None else None, tables.lack(item), tables.mapping(item)) if t is not None]
+        more = [
+            t
+            for t in (
+                *tables.channels(item),
+                tables.bands(item) if item.estimate is not None else None,
+                tables.lack(item),
+                tables.mapping(item),
+            )
+            if t is not None
+        ]
         book.sheet(tables.title(item), more)
         if item.estimate is not None:
             book.numbers(f"{item.state} numbers", *tables.spectra_numbers(item))
@@ -218,5 +273,3 @@ def _escaped(text: str) -> str:
     from markupsafe import Markup
 
     return str(Markup.escape(text))
-
-

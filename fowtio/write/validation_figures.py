@@ -96,22 +96,39 @@ def rao_figure(item, names: Sequence[str], label: str, numbers: dict[str, int]) 
     low, high = (b[inside] for b in e.energy_bounds())
     h1, radius = e.coherent_rao[inside], e.coherent_radius()[inside]
     columns = 2 if len(names) > 1 else 1
-    figure, axes = grid(3 * -(-len(names) // columns), columns, height=2.5, ratios=(1.0, 0.36, 0.2), gaps=(0.1, 0.1, 0.62))
+    figure, axes = grid(
+        3 * -(-len(names) // columns), columns, height=2.5, ratios=(1.0, 0.36, 0.2), gaps=(0.1, 0.1, 0.62)
+    )
     handles: dict = {}
     for n, name in enumerate(names):
         k = next(i for i, c in enumerate(item.channels) if c.name == name)
         unit, factor = people(item.channels[k].unit)
         top, middle, bottom = (axes[3 * (n // columns) + r, n % columns] for r in range(3))
-        handles["reference, 95 %"] = top.fill_between(f, low[:, k] * factor, high[:, k] * factor, color=GREY, alpha=0.35, lw=0)
+        handles["reference, 95 %"] = top.fill_between(
+            f, low[:, k] * factor, high[:, k] * factor, color=GREY, alpha=0.35, lw=0
+        )
         handles["reference |H|₂"] = top.plot(f, e.energy_rao[inside, k] * factor, color=INK, lw=1.0)[0]
-        handles["model, unsmoothed"] = top.plot(f, item.model_rao_raw[inside, k] * factor, color=BLUE, lw=0.7, alpha=0.55, ls=":")[0]
+        handles["model, unsmoothed"] = top.plot(
+            f, item.model_rao_raw[inside, k] * factor, color=BLUE, lw=0.7, alpha=0.55, ls=":"
+        )[0]
         handles["model"] = top.plot(f, item.model_rao[inside, k] * factor, color=BLUE, lw=1.5)[0]
-        for array, text, colour in ((item.quadratic_rao, "quadratic drag", AMBER), (item.memory_rao, "and HydroDyn's memory", ORANGE)):
+        for array, text, colour in (
+            (item.quadratic_rao, "quadratic drag", AMBER),
+            (item.memory_rao, "and HydroDyn's memory", ORANGE),
+        ):
             if array is not None:
                 handles[text] = top.plot(f, array[inside, k] * factor, color=colour, ls=(0, (4, 2)), lw=1.0)[0]
         c = item.channels[k]
         top.set_title(_titled(item, name, f"{unit}/m", numbers))
-        top.text(0.985, 0.96, f"σ {_signed(c.std_error)} %\nRAO error {100 * c.rao_error:.1f} %", transform=top.transAxes, ha="right", va="top", fontsize=8.5)
+        top.text(
+            0.985,
+            0.96,
+            f"σ {_signed(c.std_error)} %\nRAO error {100 * c.rao_error:.1f} %",
+            transform=top.transAxes,
+            ha="right",
+            va="top",
+            fontsize=8.5,
+        )
         top.set_ylim(bottom=0)
         phase = np.degrees(np.angle(h1[:, k]))
         ratio = np.clip(radius[:, k] / np.maximum(np.abs(h1[:, k]), 1e-300), 0, 1)
@@ -138,7 +155,13 @@ def rao_figure(item, names: Sequence[str], label: str, numbers: dict[str, int]) 
         f"State {item.state}: {len(item.files)} records of {item.duration:.0f} s, {e.averages:.0f} independent averages of {e.segment:g} s. Magnitude √(Syy/Sηη) with "
         "95 % bounds, phase and coherence of Sηy/Sηη; the model seen through the same window."
     )
-    return Drawing(name=f"validation_{slug(item.state)}_{slug(label)}", group=f"validation {item.state}", title=f"RAOs against time series: {label}", caption=caption, figure=figure)
+    return Drawing(
+        name=f"validation_{slug(item.state)}_{slug(label)}",
+        group=f"validation {item.state}",
+        title=f"RAOs against time series: {label}",
+        caption=caption,
+        figure=figure,
+    )
 
 
 def spectra_figure(item, names: Sequence[str], label: str, numbers: dict[str, int]) -> Drawing:
@@ -158,20 +181,33 @@ def spectra_figure(item, names: Sequence[str], label: str, numbers: dict[str, in
         unit, factor = people(c.unit)
         left, middle, right = axes[row]
         reference = e.output_spectrum[inside, k] * factor**2
-        handles["reference, 95 %"] = left.fill_between(f, reference * low, reference * high, color=GREY, alpha=0.35, lw=0)
+        handles["reference, 95 %"] = left.fill_between(
+            f, reference * low, reference * high, color=GREY, alpha=0.35, lw=0
+        )
         handles["reference"] = left.plot(f, reference, color=INK, lw=1.0)[0]
         handles["model"] = left.plot(f, item.model_spectrum[inside, k] * factor**2, color=BLUE, lw=1.4)[0]
-        handles["model, waves alone"] = left.plot(f, item.wave_part[inside, k] * factor**2, color=GREEN, lw=1.0, ls=(0, (4, 2)))[0]
+        handles["model, waves alone"] = left.plot(
+            f, item.wave_part[inside, k] * factor**2, color=GREEN, lw=1.0, ls=(0, (4, 2))
+        )[0]
         log_axis(left, reference, 5.5, headroom=30)
         frequency_axis(left, f[0], f[-1], label=row == len(names) - 1)
         left.set_title(_titled(item, name, f"{squared(unit)}/Hz", numbers))
-        left.text(0.985, 0.95, f"σ {_signed(c.std_error)} %", transform=left.transAxes, ha="right", va="top", fontsize=8.5)
+        left.text(
+            0.985, 0.95, f"σ {_signed(c.std_error)} %", transform=left.transAxes, ha="right", va="top", fontsize=8.5
+        )
         part = h.time < h.time[0] + WINDOW
         middle.plot(h.time[part], h.reference[part, k] * factor, color=INK, lw=0.9)
-        handles["model, phases of the reference"] = middle.plot(h.time[part], h.phases[part, k] * factor, color=BLUE, lw=0.9, alpha=0.85)[0]
+        handles["model, phases of the reference"] = middle.plot(
+            h.time[part], h.phases[part, k] * factor, color=BLUE, lw=0.9, alpha=0.85
+        )[0]
         if np.isfinite(h.predicted[0, k]):
-            handles["model, same waves and rotor wind"] = middle.plot(h.time[part], h.predicted[part, k] * factor, color=ORANGE, lw=0.9, ls=(0, (4, 2)))[0]
-        middle.set_title(f"History [{unit}], correlation {c.correlation:.2f}" + (f" and {c.correlation_same_waves:.2f}" if np.isfinite(c.correlation_same_waves) else ""))
+            handles["model, same waves and rotor wind"] = middle.plot(
+                h.time[part], h.predicted[part, k] * factor, color=ORANGE, lw=0.9, ls=(0, (4, 2))
+            )[0]
+        middle.set_title(
+            f"History [{unit}], correlation {c.correlation:.2f}"
+            + (f" and {c.correlation_same_waves:.2f}" if np.isfinite(c.correlation_same_waves) else "")
+        )
         middle.set_xlim(h.time[0], h.time[0] + WINDOW)
         _histogram(right, item, k, c)
         if row == len(names) - 1:
@@ -182,7 +218,13 @@ def spectra_figure(item, names: Sequence[str], label: str, numbers: dict[str, in
         f"State {item.state}: {len(item.files)} records of {item.duration:.0f} s. Spectra with 95 % bounds ({n:.0f} degrees of freedom), the model in the reference's own waves"
         f"{' and the wind that its rotor felt' if item.felt_wind else ''}; first {WINDOW:.0f} s of the first record; distribution of all records beside the normal one (line)."
     )
-    return Drawing(name=f"validation_{slug(item.state)}_{slug(label)}", group=f"validation {item.state}", title=f"Wind and waves against time series: {label}", caption=caption, figure=figure)
+    return Drawing(
+        name=f"validation_{slug(item.state)}_{slug(label)}",
+        group=f"validation {item.state}",
+        title=f"Wind and waves against time series: {label}",
+        caption=caption,
+        figure=figure,
+    )
 
 
 def history_figure(item, names: Sequence[str], numbers: dict[str, int]) -> Drawing:
@@ -198,7 +240,9 @@ def history_figure(item, names: Sequence[str], numbers: dict[str, int]) -> Drawi
         unit, factor = people(c.unit)
         left, right = axes[row]
         handles["reference"] = left.plot(h.time[part], h.reference[part, k] * factor, color=INK, lw=1.0)[0]
-        handles["model, same waves"] = left.plot(h.time[part], h.predicted[part, k] * factor, color=ORANGE, lw=1.0, ls=(0, (4, 2)))[0]
+        handles["model, same waves"] = left.plot(
+            h.time[part], h.predicted[part, k] * factor, color=ORANGE, lw=1.0, ls=(0, (4, 2))
+        )[0]
         left.set_title(f"{panel_label(name)} [{unit}], correlation {c.correlation_same_waves:.3f}")
         left.set_xlim(h.time[0], h.time[0] + WINDOW)
         _histogram(right, item, k, c)
@@ -206,7 +250,13 @@ def history_figure(item, names: Sequence[str], numbers: dict[str, int]) -> Drawi
     axes[-1, 1].set_xlabel("Deviation / σ")
     legend(figure, list(handles.values()), list(handles))
     caption = f"State {item.state}: first {WINDOW:.0f} s of the first record after the transient, deviations from the mean; distribution of all records beside the normal one (line)."
-    return Drawing(name=f"validation_{slug(item.state)}_histories", group=f"validation {item.state}", title="Time histories", caption=caption, figure=figure)
+    return Drawing(
+        name=f"validation_{slug(item.state)}_histories",
+        group=f"validation {item.state}",
+        title="Time histories",
+        caption=caption,
+        figure=figure,
+    )
 
 
 def decay_figure(decays: Sequence) -> Drawing:
@@ -219,11 +269,24 @@ def decay_figure(decays: Sequence) -> Drawing:
         left, right = axes[row]
         found = d.found
         handles["reference"] = left.plot(d.time, (d.motion - found.offset) * factor, color=INK, lw=1.0)[0]
-        own = amplitude_history(found.time, 2 * np.pi / float(d.model.period[0]), d.model_linear, d.model_quadratic, found.start, found.phase)
-        handles["model, from the first extreme on"] = left.plot(found.time, own * factor, color=BLUE, lw=1.0, ls=(0, (4, 2)))[0]
-        left.set_title(f"{panel_label(d.channel)} [{unit}], period {found.period:.2f} s, model {_signed(d.period_error, 2)} %")
+        own = amplitude_history(
+            found.time,
+            2 * np.pi / float(d.model.period[0]),
+            d.model_linear,
+            d.model_quadratic,
+            found.start,
+            found.phase,
+        )
+        handles["model, from the first extreme on"] = left.plot(
+            found.time, own * factor, color=BLUE, lw=1.0, ls=(0, (4, 2))
+        )[0]
+        left.set_title(
+            f"{panel_label(d.channel)} [{unit}], period {found.period:.2f} s, model {_signed(d.period_error, 2)} %"
+        )
         left.set_xlim(d.time[0], min(d.time[-1], d.time[0] + 25 * found.period))
-        handles["reference, by cycle"] = right.plot(found.amplitude * factor, 100 * found.cycle_damping, "o", color=GREY, ms=3.5)[0]
+        handles["reference, by cycle"] = right.plot(
+            found.amplitude * factor, 100 * found.cycle_damping, "o", color=GREY, ms=3.5
+        )[0]
         line = d.model.amplitude
         handles["reference, fit"] = right.plot(line * factor, 100 * found.damping(line), color=INK, lw=1.0)[0]
         right.plot(line * factor, 100 * d.model.damping, color=BLUE, lw=1.2, ls=(0, (4, 2)))

@@ -42,7 +42,16 @@ def overview(found: Sequence, decays: Sequence = ()) -> Table:
                 _percent(t.mean), _percent(c.rao_error), _percent(t.rao), None, None,
             ))  # fmt: skip
     for d in decays:
-        rows.append((f"decay, {d.wind_speed:g} m/s", d.channel, "within" if d.passed else "outside", *([None] * 8), _percent(d.period_error), _percent(d.tolerance)))
+        rows.append(
+            (
+                f"decay, {d.wind_speed:g} m/s",
+                d.channel,
+                "within" if d.passed else "outside",
+                *([None] * 8),
+                _percent(d.period_error),
+                _percent(d.tolerance),
+            )
+        )
     note = (
         "Model over reference less one; σ in the reference's own waves (and wind that its rotor felt). Within: inside the tolerance of the study; "
         "within scatter: outside, but inside the 95 % interval of the reference's own seeds; not judged: the study names no tolerance."
@@ -114,7 +123,13 @@ def wind_channels(item) -> tuple[Table, Table]:
         f"Mean error: with the moorings' mean force while the floater moves{' and the mean thrust of the records' if item.felt_wind else ''}; at rest: the mean "
         "position of the model without. Largest: deviation from the mean in a record, expected by the model and found."
     )
-    return one, Table(name="validation_means", title=f"State {item.state}: means and extremes", columns=columns, rows=tuple(second), note=note)
+    return one, Table(
+        name="validation_means",
+        title=f"State {item.state}: means and extremes",
+        columns=columns,
+        rows=tuple(second),
+        note=note,
+    )
 
 
 def mean_channels(item) -> Table:
@@ -126,7 +141,13 @@ def mean_channels(item) -> Table:
         unit, factor = people(c.unit)
         rows.append((c.name, unit, c.mean_model * factor, c.mean_reference * factor, _percent(c.mean_error), c.verdict))
     note = "Error over the reference's mean, or over its standard deviation where that is larger."
-    return Table(name="validation", title=f"State {item.state}: means in steady wind and still water", columns=columns, rows=tuple(rows), note=note)
+    return Table(
+        name="validation",
+        title=f"State {item.state}: means in steady wind and still water",
+        columns=columns,
+        rows=tuple(rows),
+        note=note,
+    )
 
 
 def channels(item) -> tuple[Table, ...]:
@@ -142,7 +163,15 @@ def bands(item) -> Table:
         Column(name="correlation, reference's phases", decimals=3), Column(name="correlation, same waves", decimals=3),
     )  # fmt: skip
     rows = tuple(
-        (c.name, _percent(c.rao_error), *map(_percent, c.band_errors), _percent(c.log_error), _percent(c.peak_leakage), c.correlation, c.correlation_same_waves)
+        (
+            c.name,
+            _percent(c.rao_error),
+            *map(_percent, c.band_errors),
+            _percent(c.log_error),
+            _percent(c.peak_leakage),
+            c.correlation,
+            c.correlation_same_waves,
+        )
         for c in item.channels
     )
     note = "Amplitude errors weighted by the reference's energy; logarithmic: root mean square of ln(model/reference) weighted by coherence."
@@ -173,7 +202,13 @@ def lack(item) -> Table | None:
         "Linear terms on each motion's own diagonal that bring the model's smoothed spectra closest to the reference's (least squares of amplitudes, "
         "all motions at once), with standard errors. Damping that is missing is positive; a negative value says that the model damps too much."
     )
-    return Table(name="lack", title=f"State {item.state}: what the linear model lacks", columns=columns, rows=tuple(rows), note=note)
+    return Table(
+        name="lack",
+        title=f"State {item.state}: what the linear model lacks",
+        columns=columns,
+        rows=tuple(rows),
+        note=note,
+    )
 
 
 def decay_table(decays: Sequence) -> Table | None:
@@ -203,7 +238,9 @@ def findings(found: Sequence, decays: Sequence = ()) -> Table | None:
     rows = [(title(i), f.severity, f.subject, f.text) for i in found for f in i.findings]
     rows += [(f"decay {d.channel}", f.severity, f.subject, f.text) for d in decays for f in d.findings]
     columns = (Column(name="Comparison"), Column(name="Kind"), Column(name="Where"), Column(name="What"))
-    return Table(name="findings", title="Doubts about the reference", columns=columns, rows=tuple(rows)) if rows else None
+    return (
+        Table(name="findings", title="Doubts about the reference", columns=columns, rows=tuple(rows)) if rows else None
+    )
 
 
 def mapping(item) -> Table:
@@ -266,7 +303,11 @@ def spectra_numbers(item) -> tuple[list[str], np.ndarray, list[str]]:
                      ("model", item.model_rao, 1), ("model unsmoothed", item.model_rao_raw, 1), ("quadratic drag", item.quadratic_rao, 1)]  # fmt: skip
             per = f"{unit}/m"
         else:
-            parts = [("reference", item.estimate.output_spectrum, 2), ("model", item.model_spectrum, 2), ("model, waves alone", item.wave_part, 2)]
+            parts = [
+                ("reference", item.estimate.output_spectrum, 2),
+                ("model", item.model_spectrum, 2),
+                ("model, waves alone", item.wave_part, 2),
+            ]
             per = f"({unit})²/Hz"
         for label, array, power in parts:
             if array is not None:
@@ -286,5 +327,3 @@ def _relative(path: Path, root: Path) -> str:
         return Path(os.path.relpath(os.path.abspath(path), root)).as_posix()
     except ValueError:
         return path.name
-
-

@@ -62,7 +62,9 @@ def free_decay(time, motion, period: float) -> Decay:
     time, motion = np.asarray(time, dtype=float), np.asarray(motion, dtype=float)
     where, value = extremes(time, motion, period)
     if len(where) < 3:
-        raise ValueError(f"a decay record needs three extremes or more; this one of {time[-1] - time[0]:.0f} s has {len(where)}")
+        raise ValueError(
+            f"a decay record needs three extremes or more; this one of {time[-1] - time[0]:.0f} s has {len(where)}"
+        )
     keep = time >= where[0]
     time, motion = time[keep], motion[keep]
     half = np.abs(np.diff(value)) / 2
@@ -116,7 +118,9 @@ def extremes(time, motion, period: float) -> tuple[np.ndarray, np.ndarray]:
     centre = np.median(smooth[-len(smooth) // 3 :])
     for k in turn:
         up = smooth[k] > smooth[k - 1]
-        if (kept and (smooth[kept[-1]] > smooth[kept[-1] - 1]) == up) or (kept and time[k] - time[kept[-1]] < period / 3):
+        if (kept and (smooth[kept[-1]] > smooth[kept[-1] - 1]) == up) or (
+            kept and time[k] - time[kept[-1]] < period / 3
+        ):
             if abs(smooth[k] - centre) > abs(smooth[kept[-1]] - centre):
                 kept[-1] = k
         elif time[k] - time[0] > period / 8:
@@ -152,4 +156,6 @@ def model_decay(system: System, mean: Equilibrium, modes: Modes, dof: str, ampli
         at = found.names.index(dof)
         ratios.append(found.damping_ratio[at])
         periods.append(2 * np.pi / found.frequency[at] / np.sqrt(max(1 - found.damping_ratio[at] ** 2, 1e-6)))
-    return ModelDecay(amplitude=np.atleast_1d(amplitude).astype(float), period=np.array(periods), damping=np.array(ratios))
+    return ModelDecay(
+        amplitude=np.atleast_1d(amplitude).astype(float), period=np.array(periods), damping=np.array(ratios)
+    )

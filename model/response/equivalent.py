@@ -23,7 +23,9 @@ class Missing:
     error_after: np.ndarray
 
 
-def missing_terms(dofs, places, omega, dynamic, transfer, spectra, smoothing, reference, critical, restoring) -> Missing:
+def missing_terms(
+    dofs, places, omega, dynamic, transfer, spectra, smoothing, reference, critical, restoring
+) -> Missing:
     """Return the linear damping and stiffness of each degree of freedom that bring a model's spectra closest to a reference.
 
     Parameters

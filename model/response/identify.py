@@ -114,7 +114,9 @@ def estimate(inputs, outputs, step: float, segment: float = SEGMENT) -> Estimate
     """
     length = round(segment / step)
     if any(len(x) < length for x in inputs):
-        raise ValueError(f"a record of {min(len(x) for x in inputs) * step:.0f} s is shorter than a segment of {segment:.0f} s")
+        raise ValueError(
+            f"a record of {min(len(x) for x in inputs) * step:.0f} s is shorter than a segment of {segment:.0f} s"
+        )
     options = {"fs": 1 / step, "window": "hann", "nperseg": length, "noverlap": length // 2}
     count = np.array([(len(x) - length) // (length - length // 2) + 1 for x in inputs], dtype=float)
     share = count / count.sum()

@@ -128,9 +128,7 @@ def record_response(
     starts from; highest [rad/s] above which nothing is solved. For several records of one length, `record_model` and
     `solve_record` are faster. Raises ValueError when the iteration does not converge.
     """
-    first = solve(
-        system, mean, drive, grid=prepare(system, drive.omega, drive.heading, low_frequency=low_frequency)
-    )
+    first = solve(system, mean, drive, grid=prepare(system, drive.omega, drive.heading, low_frequency=low_frequency))
     ready = record_model(
         system, mean, len(elevation), step, float(drive.heading[0]), first.drag_damping, highest=highest,
         low_frequency=low_frequency,
@@ -142,7 +140,11 @@ def record_channels(outputs: LinearOutputs, response: RecordResponse, names=None
     """Return the time series (t, c) of channels, deviations from the mean, by default all of them."""
     index = [outputs.names.index(n) for n in (names or outputs.names)]
     iw, x = 1j * response.omega[:, None], response.amplitude
-    amplitude = x @ outputs.position[index].T + iw * (x @ outputs.velocity[index].T) + iw**2 * (x @ outputs.acceleration[index].T)
+    amplitude = (
+        x @ outputs.position[index].T
+        + iw * (x @ outputs.velocity[index].T)
+        + iw**2 * (x @ outputs.acceleration[index].T)
+    )
     return _to_time(amplitude.T, slice(1, 1 + len(response.omega)), response.samples).T
 
 

@@ -24,7 +24,9 @@ def driven_by(record, step: float, transfer, frequency) -> np.ndarray:
     """Return the response (t, c) of transfer functions (n, c) on frequency (n) [Hz] to a record (t), taken as periodic."""
     record = np.asarray(record, dtype=float)
     hertz = np.fft.rfftfreq(len(record), step)
-    h = np.stack([np.interp(hertz, frequency, c.real) + 1j * np.interp(hertz, frequency, c.imag) for c in transfer.T], axis=1)
+    h = np.stack(
+        [np.interp(hertz, frequency, c.real) + 1j * np.interp(hertz, frequency, c.imag) for c in transfer.T], axis=1
+    )
     h[(hertz == 0) | (hertz > frequency[-1])] = 0.0
     return np.fft.irfft(np.fft.rfft(record)[:, None] * h, len(record), axis=0)
 

@@ -86,7 +86,7 @@ def test_the_internal_sea_is_the_sea(parked):
     lines, period = _sea_lines(parked.files["2.0"], {"Sea.Hs": 4.0, "Sea.Tp": 11.0, "Sea.Gamma": 2.0})
     omega = 2 * np.pi * np.arange(len(lines)) / period
     known = wave_spectrum(SeaState(kind="jonswap", significant_height=4.0, peak_period=11.0, gamma=2.0), omega)
-    band = (omega > 0.3 * 2 * np.pi / 11) & (omega < 2.0)
+    band = (omega > 0.7 * 2 * np.pi / 11) & (omega < 2.0)  # where a JONSWAP sea has energy
     amplitude = np.abs(lines[band, 0])
     assert np.allclose(amplitude**2 / 2 * period / (2 * np.pi), known[band], rtol=1e-6)  # amplitudes are not random
     variance = (np.abs(lines[1:, 0]) ** 2 / 2).sum()
@@ -102,7 +102,7 @@ def test_the_internal_sea_from_another_heading(parked):
     assert waves.heading[column] == pytest.approx(angle)
     lines, period = _sea_lines(parked.files["3.0"], {"Sea.Hs": 4.0, "Sea.Tp": 11.0, "Sea.Gamma": 2.0, "Sea.Heading": angle})
     omega = 2 * np.pi * np.arange(len(lines)) / period
-    band = (omega > 0.3 * 2 * np.pi / 11) & (omega < 2.0)
+    band = (omega > 0.7 * 2 * np.pi / 11) & (omega < 2.0)
     _assert_responses(parked, lines, omega, band, column=column)
 
 
@@ -122,12 +122,7 @@ def test_a_force_at_the_tower_top(parked):
     with Runner(parked.files["2.0"]) as runner:
         # one step of a million seconds: exact discretisation has no limit, and all has died out
         rest, loaded = (runner.run(1, 1e6, {"Tower.TopForceX": [f, f]}, outputs)[1] for f in (0.0, force))
-    tower = found.structure.tower if hasattr(found, "structure") else None
-    top = tower.top_height if tower else 87.6  # m, the OC4 tower
-    base = 10.0
-    column = found.space.inputs.index("tower_force_x")
-    mass = np.linalg.inv(found.space.b[len(system.dofs) : 2 * len(system.dofs), :0].T @ found.space.b[len(system.dofs) : 2 * len(system.dofs), :0]) if False else None
-    assert mass is None
+    top, base = 87.6, 10.0  # m: the OC4 tower (NREL/TP-5000-60601, table 2-1)
     generalised = np.zeros(len(system.dofs))
     generalised[system.dofs.index("surge")], generalised[system.dofs.index("pitch")], generalised[system.dofs.index("tower_fa1")] = force, force * top, force
     offset = np.linalg.solve(mean.stiffness, generalised)
@@ -140,7 +135,6 @@ def test_a_force_at_the_tower_top(parked):
     assert change[7] == pytest.approx(force + weight, rel=1e-6)
     moment = rows.position[rows.names.index("TwrBsMyt")] @ offset
     assert change[8] == pytest.approx(force * (top - base) + moment, rel=1e-6)
-    assert column >= 0
 
 
 def test_a_force_at_the_platform_and_a_wave_force_are_alike(parked):

@@ -25,7 +25,18 @@ def spectra(damping, stiffness):
 def fit(reference, smoothing):
     x, _ = spectra(B, C)
     critical = 2 * np.sqrt(np.diag(C) * np.diag(M))
-    return missing_terms(("surge", "pitch"), [0, 1], OMEGA, dynamic(B, C), x, np.ones((len(OMEGA), 1)), smoothing, smoothing @ reference, critical, np.diag(C))
+    return missing_terms(
+        ("surge", "pitch"),
+        [0, 1],
+        OMEGA,
+        dynamic(B, C),
+        x,
+        np.ones((len(OMEGA), 1)),
+        smoothing,
+        smoothing @ reference,
+        critical,
+        np.diag(C),
+    )
 
 
 @pytest.fixture(scope="module")

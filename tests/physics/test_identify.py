@@ -163,7 +163,9 @@ def many_estimates():
     out = []
     for trial in range(30):
         inputs = [noise(1000 + 10 * trial + k, 6000.0) for k in range(3)]
-        outputs = [(lfilter(b, a, x) + 0.15 * noise(5000 + 10 * trial + k, 6000.0))[:, None] for k, x in enumerate(inputs)]
+        outputs = [
+            (lfilter(b, a, x) + 0.15 * noise(5000 + 10 * trial + k, 6000.0))[:, None] for k, x in enumerate(inputs)
+        ]
         out.append(estimate(inputs, outputs, STEP, SEGMENT))
     band = slice(4, len(out[0].frequency) - 4, 3)  # every third line: neighbours share the window
     exact = freqz(b, a, 2 * np.pi * out[0].frequency[band] * STEP)[1]
@@ -220,7 +222,14 @@ def test_expected_error_is_what_a_perfect_model_finds(many_estimates):
 
 @pytest.mark.parametrize(
     ("shortest", "narrowest", "seconds"),
-    [(6000, None, 1000), (3600, None, 1000), (3000, None, 500), (1000, None, 200), (6000, 0.02, 200), (6000, 1e-4, 1000)],
+    [
+        (6000, None, 1000),
+        (3600, None, 1000),
+        (3000, None, 500),
+        (1000, None, 200),
+        (6000, 0.02, 200),
+        (6000, 1e-4, 1000),
+    ],
 )
 def test_segments_as_long_as_needed_and_possible(shortest, narrowest, seconds):
     """3.5 segments in the shortest record, four over the width of the narrowest peak, 1000 s at most, in steps of 1, 2, 5."""

@@ -28,7 +28,9 @@ def body(simple_body, plate):
 
 
 def drive():
-    return excitation(np.linspace(0.02, 3.0, 300), SeaState(kind="white_noise", significant_height=2.0, band=(0.01, 0.2)), None)
+    return excitation(
+        np.linspace(0.02, 3.0, 300), SeaState(kind="white_noise", significant_height=2.0, band=(0.01, 0.2)), None
+    )
 
 
 def waves(amplitude, omega):
@@ -50,10 +52,15 @@ def test_regular_waves_against_time_integration(body, frequency):
     ours, _ = heave(body, elevation)
 
     def rates(t, y):
-        return [y[1], (2.0 * PUSH * np.cos(omega * t) - LINEAR * y[1] - FACTOR * abs(y[1]) * y[1] - STIFFNESS * y[0]) / MASS]
+        return [
+            y[1],
+            (2.0 * PUSH * np.cos(omega * t) - LINEAR * y[1] - FACTOR * abs(y[1]) * y[1] - STIFFNESS * y[0]) / MASS,
+        ]
 
     period = COUNT * STEP
-    settled = solve_ivp(rates, (0, 2 * period), [0.0, 0.0], t_eval=period + np.arange(COUNT) * STEP, rtol=1e-8, atol=1e-8).y[0]
+    settled = solve_ivp(
+        rates, (0, 2 * period), [0.0, 0.0], t_eval=period + np.arange(COUNT) * STEP, rtol=1e-8, atol=1e-8
+    ).y[0]
     assert np.abs(ours - settled).max() < 0.01 * np.abs(settled).max()
 
 
@@ -87,8 +94,15 @@ def test_moorings_of_a_moving_floater_pull_harder(oc4):
     shift = mooring_shift(point.system, point.mean, covariance)
     moves = np.random.default_rng(5).normal(size=(2000, 6)) * np.sqrt(np.diag(covariance)[:6])
     moves = np.concatenate([moves, -moves])
-    forces = np.array([mooring_state(point.system.mooring, point.mean.offset[:6] + x).force for x in moves[:: 4000 // 1000]] )
-    forces = (forces + np.array([mooring_state(point.system.mooring, point.mean.offset[:6] - x).force for x in moves[:: 4000 // 1000]])) / 2
+    forces = np.array(
+        [mooring_state(point.system.mooring, point.mean.offset[:6] + x).force for x in moves[:: 4000 // 1000]]
+    )
+    forces = (
+        forces
+        + np.array(
+            [mooring_state(point.system.mooring, point.mean.offset[:6] - x).force for x in moves[:: 4000 // 1000]]
+        )
+    ) / 2
     assert shift[0] == pytest.approx(forces[:, 0].mean() - point.mean.mooring.force[0], rel=0.1)
     assert shift[0] < -5e3
     assert shift[6] == 0.0

@@ -16,7 +16,17 @@ from model.environment.sea import wavenumber
 from model.response.reconstruct import driven_by
 
 STEP, SECONDS, DISCARD = 0.5, 3000.0, 500.0
-CHANNELS = {"PtfmSurge": "m", "PtfmHeave": "m", "PtfmPitch": "deg", "TTDspFA": "m", "TwrBsFxt": "kN", "TwrBsMyt": "kN-m", "T[1]": "N", "T[2]": "N", "T[3]": "N"}
+CHANNELS = {
+    "PtfmSurge": "m",
+    "PtfmHeave": "m",
+    "PtfmPitch": "deg",
+    "TTDspFA": "m",
+    "TwrBsFxt": "kN",
+    "TwrBsMyt": "kN-m",
+    "T[1]": "N",
+    "T[2]": "N",
+    "T[3]": "N",
+}
 SI = {"deg": np.pi / 180, "kN": 1e3, "kN-m": 1e3}
 
 
@@ -50,7 +60,13 @@ def made(side, seed, *, gain=1.0, noise=0.02):
     out = np.concatenate([out, out[:1]]) * gain + side.mean
     out = out + noise * out.std(axis=0) * np.random.default_rng(seed + 99).normal(size=out.shape)
     data = np.column_stack([elevation, out / [SI.get(u, 1.0) for u in CHANNELS.values()]])
-    return TimeSeries(time=np.arange(len(elevation)) * STEP, data=data, names=("Wave1Elev", *CHANNELS), units=("m", *CHANNELS.values()), source=f"seed{seed}.outb")
+    return TimeSeries(
+        time=np.arange(len(elevation)) * STEP,
+        data=data,
+        names=("Wave1Elev", *CHANNELS),
+        units=("m", *CHANNELS.values()),
+        source=f"seed{seed}.outb",
+    )
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +82,9 @@ def changed(series, channel, function):
 
 
 def compare(oc4, series, *, channels=(), discard=DISCARD, **tolerances):
-    reference = Reference(state="white_noise", files=(), discard=discard, tolerance=0.02, channels=channels, **tolerances)
+    reference = Reference(
+        state="white_noise", files=(), discard=discard, tolerance=0.02, channels=channels, **tolerances
+    )
     return fowtio.validate(oc4, reference, nonlinear=False, series=series)
 
 
@@ -112,8 +130,14 @@ def test_too_little_response_is_seen(oc4, side):
 
 def test_tolerances_are_by_channel(oc4, side):
     """The last row that names a channel counts; without a tolerance nothing is judged."""
-    rows = (Tolerance(channel="*", std=0.2), Tolerance(channel="Ptfm*", std=None), Tolerance(channel="T[2]", std=0.001, rao=0.5))
-    found = {c.name: c for c in compare(oc4, [made(side, 1, gain=1.1), made(side, 2, gain=1.1)], tolerances=rows).channels}
+    rows = (
+        Tolerance(channel="*", std=0.2),
+        Tolerance(channel="Ptfm*", std=None),
+        Tolerance(channel="T[2]", std=0.001, rao=0.5),
+    )
+    found = {
+        c.name: c for c in compare(oc4, [made(side, 1, gain=1.1), made(side, 2, gain=1.1)], tolerances=rows).channels
+    }
     assert found["PtfmHeave"].verdict == "not judged"
     assert found["TwrBsMyt"].verdict == "within"
     assert found["T[2]"].std_verdict == "outside"
@@ -167,7 +191,9 @@ def test_a_missing_channel_is_named(oc4, good):
     short = replace(good[0], data=np.delete(good[0].data, k, axis=1), names=tuple(n for n in good[0].names if n != "TTDspFA"),
                     units=tuple(u for n, u in zip(good[0].names, good[0].units, strict=True) if n != "TTDspFA"))  # fmt: skip
     found = compare(oc4, [short, good[1]])
-    assert ("TTDspFA", "channel missing in seed1.outb, present in the other records; it is not compared") in errors(found)
+    assert ("TTDspFA", "channel missing in seed1.outb, present in the other records; it is not compared") in errors(
+        found
+    )
     assert "TTDspFA" not in [c.name for c in found.channels]
 
 
@@ -179,7 +205,10 @@ def test_a_record_too_short_is_named(oc4, good):
 
 
 def test_a_record_given_twice_is_named(oc4, good):
-    assert any("the same waves as seed1.outb" in text for _, text in errors(compare(oc4, [good[0], replace(good[0], source="copy.outb")])))
+    assert any(
+        "the same waves as seed1.outb" in text
+        for _, text in errors(compare(oc4, [good[0], replace(good[0], source="copy.outb")]))
+    )
 
 
 def test_an_uneven_time_axis_is_named(oc4, good):
@@ -193,7 +222,14 @@ def test_an_uneven_time_axis_is_named(oc4, good):
 
 def test_channels_of_other_modules_and_units(oc4, good, perfect):
     """MoorDyn's tensions, HydroDyn's motions in radians, loads in MN: found by name and pattern, the same figures, the rest listed."""
-    names = {"T[1]": "[FAIRTEN1]", "T[2]": "[FAIRTEN2]", "T[3]": "[FAIRTEN3]", "PtfmPitch": "PRPPitch", "Wave1Elev": "WaveElev", "TwrBsMyt": "-TwrBsMyt"}
+    names = {
+        "T[1]": "[FAIRTEN1]",
+        "T[2]": "[FAIRTEN2]",
+        "T[3]": "[FAIRTEN3]",
+        "PtfmPitch": "PRPPitch",
+        "Wave1Elev": "WaveElev",
+        "TwrBsMyt": "-TwrBsMyt",
+    }
     factors, units = {"PtfmPitch": np.pi / 180, "TwrBsMyt": -1e-3}, {"PtfmPitch": "rad", "TwrBsMyt": "MN-m"}
     series = []
     for s in good:
@@ -216,7 +252,13 @@ def test_names_that_the_study_gives(oc4, good):
     found = compare(oc4, series, channels=(("T[#]", "MooringA_#", 10.0), ("PtfmSurge", "X_cog", 0.0)))
     assert errors(found) == []
     assert {"T[1]", "T[3]", "PtfmSurge"} <= {c.name for c in found.channels}
-    unknown = compare(oc4, [replace(s, units=tuple("furlong" if n == "PtfmHeave" else u for n, u in zip(s.names, s.units, strict=True))) for s in good])
+    unknown = compare(
+        oc4,
+        [
+            replace(s, units=tuple("furlong" if n == "PtfmHeave" else u for n, u in zip(s.names, s.units, strict=True)))
+            for s in good
+        ],
+    )
     assert any(s == "PtfmHeave" and "'furlong' is not known" in text for s, text in errors(unknown))
 
 

@@ -128,7 +128,16 @@ def test_report_is_one_page_with_everything(written, oc4):
 
 def test_workbook_has_the_same_numbers(written, wind):
     book = openpyxl.load_workbook(written[0] / "validation.xlsx", read_only=True)
-    assert {"Overview", "Doubts", "white_noise, RAOs", "operating, spectra", "operating, means", "Decay tests", "Settings", "Files"} <= set(book.sheetnames)
+    assert {
+        "Overview",
+        "Doubts",
+        "white_noise, RAOs",
+        "operating, spectra",
+        "operating, means",
+        "Decay tests",
+        "Settings",
+        "Files",
+    } <= set(book.sheetnames)
     rows = list(book["operating, spectra"].iter_rows(values_only=True))
     head = next(r for r in rows if r[0] == "Channel")
     pitch = next(r for r in rows if r[0] == "PtfmPitch")
@@ -162,11 +171,21 @@ def test_overview_has_a_verdict_for_every_channel(oc4_validation, wind, decays):
 
 def test_command_for_the_rigid_tower(cli, oc4_folder, tmp_path):
     """White noise without the tower mode: within the study's 2 and 3 %, and the keys that others rely on."""
-    result = cli("validate", oc4_folder / "oc4_rigid_tower.fowt", "-o", tmp_path / "out", "--no-quadratic", "--no-figures", "--json")
+    result = cli(
+        "validate",
+        oc4_folder / "oc4_rigid_tower.fowt",
+        "-o",
+        tmp_path / "out",
+        "--no-quadratic",
+        "--no-figures",
+        "--json",
+    )
     assert result.code == 0, result.err
     document = json.loads(result.out)
     assert document["passed"] is True
-    assert {"std_error", "rao_error", "peak_error", "peak_frequency_error", "coherence_mean"} <= set(document["channels"]["PtfmSurge"])
+    assert {"std_error", "rao_error", "peak_error", "peak_frequency_error", "coherence_mean"} <= set(
+        document["channels"]["PtfmSurge"]
+    )
     assert "TTDspFA" not in document["channels"]
     assert set(document["references"][0]["lacking"]) == {"surge", "heave", "pitch"}
     assert (tmp_path / "out" / "validation.html").is_file()
@@ -194,7 +213,12 @@ def study(oc4_folder, tmp_path):
 
 
 def test_tables_of_the_study_are_read(study):
-    path = study(("END of study", "--- CHANNELS ---\n2 NChan\nChannel NameInFile Factor\n(-) (-) (-)\nT[#] FairTen# -\nPtfmSurge X 0.001\nEND of study"))
+    path = study(
+        (
+            "END of study",
+            "--- CHANNELS ---\n2 NChan\nChannel NameInFile Factor\n(-) (-) (-)\nT[#] FairTen# -\nPtfmSurge X 0.001\nEND of study",
+        )
+    )
     case = fowtio.load(path)
     reference = case.references[0]
     assert reference.channels == (("T[#]", "FairTen#", 0.0), ("PtfmSurge", "X", 0.001))
@@ -212,7 +236,13 @@ def test_tables_of_the_study_are_read(study):
         (("operating     PtfmSurge   3.0", "operating     PtfmSurge   -3.0"), "not above zero"),
         (("operating     PtfmSurge   3.0", "operating     PtfmSurge   x"), "x"),
         (("decay_surge", "decay_sway"), "0 files match"),
-        (("END of study", "--- CHANNELS ---\n1 NChan\nChannel NameInFile Factor\n(-) (-) (-)\nT[#] Tension -\nEND of study"), "# must stand in both"),
+        (
+            (
+                "END of study",
+                "--- CHANNELS ---\n1 NChan\nChannel NameInFile Factor\n(-) (-) (-)\nT[#] Tension -\nEND of study",
+            ),
+            "# must stand in both",
+        ),
     ],
 )
 def test_mistakes_in_the_tables_are_named(study, change, words):
@@ -220,6 +250,15 @@ def test_mistakes_in_the_tables_are_named(study, change, words):
         fowtio.load(study(change))
 
 
-@pytest.mark.parametrize(("pattern", "name", "yes"), [("T[*", "T[2]", True), ("*", "PtfmYaw", True), ("Ptfm*", "TTDspFA", False), ("T[2]", "T[2]", True), ("t[2]", "T2", False)])
+@pytest.mark.parametrize(
+    ("pattern", "name", "yes"),
+    [
+        ("T[*", "T[2]", True),
+        ("*", "PtfmYaw", True),
+        ("Ptfm*", "TTDspFA", False),
+        ("T[2]", "T[2]", True),
+        ("t[2]", "T2", False),
+    ],
+)
 def test_patterns(pattern, name, yes):
     assert matches(pattern, name) is yes
