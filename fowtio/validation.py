@@ -58,6 +58,7 @@ from model.response.reconstruct import correlation, driven_by, with_phases_of
 from model.response.statistics import statistics
 
 HIGHEST = 0.45  # Hz, of reconstructed time histories
+LIGHT = 0.02  # damping ratio that drag gives a resonance at least
 
 
 def validate(
@@ -101,8 +102,12 @@ def _gusty(records: Records) -> bool:
 
 
 def _segment(model: Model, state: StateEntry, records: Records) -> float:
-    """Return the segments' length [s]: the usual one unless the records are too short for it."""
-    return choose_segment(records.shortest, longest=SEGMENT)
+    """Return the segments' length [s]: as the narrowest resonance needs and the shortest record allows."""
+    modes = model.at(state.wind_speed).modes
+    hertz = modes.frequency / (2 * np.pi)
+    widths = 2 * np.maximum(modes.damping_ratio, LIGHT) * hertz
+    inside = (hertz > WHOLE_BAND[0]) & (hertz < WHOLE_BAND[1])
+    return choose_segment(records.shortest, float(widths[inside].min()) if inside.any() else None, longest=SEGMENT)
 
 
 def _findings(

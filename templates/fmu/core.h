@@ -34,15 +34,15 @@ typedef struct {
     double step; /* the step that the factors below belong to */
     double factor[FW_MODES + 1][6]; /* e^(lh); its integral; its integral with the ramp: real and imaginary parts */
 #if HAS_SEA
-    int sea_first, sea_count;
+    int sea_first, sea_count, sea_outputs, sea_column[8];
     double sea_parameter[4];
     int32_t sea_seed;
-    double (*sea)[16]; /* per component: real and imaginary parts of six forces and the elevation */
+    double *sea; /* blocks of components of the forces that are not zero, and of the elevation */
 #endif
 #if HAS_TURBULENCE
     double wind_intensity;
     int32_t wind_seed;
-    double (*wind)[8]; /* per component: real and imaginary parts of wind and its two gradients */
+    double *wind; /* blocks of components of wind and its two gradients */
 #endif
     double signal_time; /* the time that the signal below belongs to */
     double signal[N_COLUMN + 1];
@@ -57,6 +57,33 @@ static inline double fw_random(uint64_t seed, uint64_t number)
     z ^= z >> 31;
     return (double)(z >> 11) * (1.0 / 9007199254740992.0);
 }
+
+/* Add up components: for every output the real part of the sum of (re + i im) e^(i (first + k) dw t), four components at a time,
+   whose factors do not wait for each other. A block holds, for every output, four re and four im. */
+static inline void fw_sum(const double *block, int count, int outputs, int first, double dw, double t, double *out)
+{
+    double turn = fmod(dw * t, 6.283185307179586);
+    double sr = cos(fmod(4.0 * turn, 6.283185307179586)), si = sin(fmod(4.0 * turn, 6.283185307179586));
+    double zr[4], zi[4], sum[8][4] = {{0}};
+    int k, j, c;
+    for (c = 0; c < 4; c++) {
+        zr[c] = cos(fmod((first + c) * turn, 6.283185307179586));
+        zi[c] = sin(fmod((first + c) * turn, 6.283185307179586));
+    }
+    for (k = 0; k < count; k += 4) {
+        for (j = 0; j < outputs; j++, block += 8)
+            for (c = 0; c < 4; c++) sum[j][c] += zr[c] * block[c] - zi[c] * block[4 + c];
+        for (c = 0; c < 4; c++) {
+            double next = zr[c] * sr - zi[c] * si;
+            zi[c] = zr[c] * si + zi[c] * sr;
+            zr[c] = next;
+        }
+    }
+    for (j = 0; j < outputs; j++) out[j] = (sum[j][0] + sum[j][1]) + (sum[j][2] + sum[j][3]);
+}
+
+/* The place of output j of component k in blocks of `outputs` outputs; the imaginary part lies four behind. */
+static inline size_t fw_place(int k, int j, int outputs) { return ((size_t)(k / 4) * (size_t)outputs + (size_t)j) * 8 + (size_t)(k % 4); }
 
 #if HAS_SEA
 static inline double fw_jonswap(double f, double height, double period, double gamma)
@@ -98,21 +125,28 @@ static inline void fw_wave_force(double omega, double heading, double *force)
 static inline int fw_make_sea(fw_model *m)
 {
     const double *p = m->v.parameter;
-    double now[4], df = 1.0 / REPEAT_PERIOD, force[12];
+    double now[4], df = 1.0 / REPEAT_PERIOD, force[12], largest[6] = {0};
     int32_t seed = m->v.integer[I_SEA_SEED];
     int last, k, j;
     now[0] = p[P_SEA_HS]; now[1] = p[P_SEA_TP]; now[2] = p[P_SEA_GAMMA]; now[3] = p[P_SEA_HEADING];
     if (m->sea && m->sea_seed == seed && memcmp(now, m->sea_parameter, sizeof now) == 0) return 1;
     free(m->sea);
     m->sea = NULL;
-    m->sea_count = 0;
+    m->sea_count = m->sea_outputs = 0;
     if (now[0] > 0.0) {
-        m->sea_first = (int)ceil(0.3 / now[1] / df);
+        m->sea_first = (int)ceil(0.4 / now[1] / df);
         if (m->sea_first < 1) m->sea_first = 1;
-        last = (int)floor(fmin(6.0 / now[1], SEA_TOP) / df);
+        last = (int)floor(fmin(5.0 / now[1], SEA_TOP) / df);
         m->sea_count = last >= m->sea_first ? last - m->sea_first + 1 : 0;
     }
-    m->sea = calloc((size_t)m->sea_count + 1, sizeof *m->sea);
+    for (k = 0; k < m->sea_count; k++) {
+        fw_wave_force(6.283185307179586 * (m->sea_first + k) * df, now[3], force);
+        for (j = 0; j < 6; j++) largest[j] = fmax(largest[j], fmax(fabs(force[2 * j]), fabs(force[2 * j + 1])));
+    }
+    for (j = 0; j < 6; j++)
+        if (largest[j] > 0.0) m->sea_column[m->sea_outputs++] = j;
+    m->sea_column[m->sea_outputs++] = 6;
+    m->sea = calloc(((size_t)m->sea_count + 4) * 16, sizeof *m->sea);
     if (!m->sea) return 0;
     memcpy(m->sea_parameter, now, sizeof now);
     m->sea_seed = seed;
@@ -122,12 +156,13 @@ static inline int fw_make_sea(fw_model *m)
         double phase = 6.283185307179586 * fw_random((uint64_t)(uint32_t)seed, (uint64_t)(m->sea_first + k));
         double re = a * cos(phase), im = a * sin(phase);
         fw_wave_force(6.283185307179586 * f, now[3], force);
-        for (j = 0; j < 6; j++) {
-            m->sea[k][j] = re * force[2 * j] - im * force[2 * j + 1];
-            m->sea[k][8 + j] = re * force[2 * j + 1] + im * force[2 * j];
+        for (j = 0; j < m->sea_outputs; j++) {
+            double *place = m->sea + fw_place(k, j, m->sea_outputs);
+            int column = m->sea_column[j];
+            double fr = column < 6 ? force[2 * column] : 1.0, fi = column < 6 ? force[2 * column + 1] : 0.0;
+            place[0] = re * fr - im * fi;
+            place[4] = re * fi + im * fr;
         }
-        m->sea[k][6] = re;
-        m->sea[k][14] = im;
     }
     return 1;
 }
@@ -141,7 +176,7 @@ static inline int fw_make_wind(fw_model *m)
     int32_t seed = m->v.integer[I_WIND_SEED];
     int k, j;
     if (m->wind && m->wind_seed == seed && m->wind_intensity == intensity) return 1;
-    if (!m->wind) m->wind = calloc(N_WIND, sizeof *m->wind);
+    if (!m->wind) m->wind = calloc((N_WIND + 4) * 6, sizeof *m->wind);
     if (!m->wind) return 0;
     m->wind_seed = seed;
     m->wind_intensity = intensity;
@@ -149,28 +184,12 @@ static inline int fw_make_wind(fw_model *m)
         for (j = 0; j < 3; j++) {
             double phase = 6.283185307179586 * fw_random((uint64_t)(uint32_t)seed, (uint64_t)(3 * k + j) + (UINT64_C(1) << 32));
             double a = intensity * (double)wind_amplitude[j > 0][k];
-            m->wind[k][j] = a * cos(phase);
-            m->wind[k][4 + j] = a * sin(phase);
+            m->wind[fw_place(k, j, 3)] = a * cos(phase);
+            m->wind[fw_place(k, j, 3) + 4] = a * sin(phase);
         }
     return 1;
 }
 #endif
-
-/* Add up components: sum of (re + i im) e^(i (first + k) dw t), real part; width numbers re, then as many im, a row. */
-static inline void fw_sum(const double *rows, int count, int first, int width, double dw, double t, double *out)
-{
-    double turn = fmod(dw * t, 6.283185307179586);
-    double zr = cos(fmod(first * turn, 6.283185307179586)), zi = sin(fmod(first * turn, 6.283185307179586));
-    double sr = cos(turn), si = sin(turn);
-    int k, j;
-    for (j = 0; j < width; j++) out[j] = 0.0;
-    for (k = 0; k < count; k++, rows += 2 * width) {
-        double next = zr * sr - zi * si;
-        for (j = 0; j < width; j++) out[j] += zr * rows[j] - zi * rows[width + j];
-        zi = zr * si + zi * sr;
-        zr = next;
-    }
-}
 
 /* Whether sea or turbulence are on, so that columns change within a step. */
 static inline int fw_moving(const fw_model *m)
@@ -210,9 +229,8 @@ static inline const double *fw_signal(fw_model *m, double t)
     if (m->sea_count > 0) {
         double s[8];
         int j;
-        fw_sum(m->sea[0], m->sea_count, m->sea_first, 8, 6.283185307179586 / REPEAT_PERIOD, t, s);
-        for (j = 0; j < 6; j++) m->signal[COLUMN_WAVE + j] += s[j];
-        m->signal[COLUMN_SEA] += s[6];
+        fw_sum(m->sea, m->sea_count, m->sea_outputs, m->sea_first, 6.283185307179586 / REPEAT_PERIOD, t, s);
+        for (j = 0; j < m->sea_outputs; j++) m->signal[m->sea_column[j] < 6 ? COLUMN_WAVE + m->sea_column[j] : COLUMN_SEA] += s[j];
     }
 #endif
 #if HAS_TURBULENCE
@@ -220,7 +238,7 @@ static inline const double *fw_signal(fw_model *m, double t)
     if (m->v.parameter[P_WIND_TI] != 0.0) {
         double s[4];
         int j;
-        fw_sum(m->wind[0], N_WIND, 1, 4, 6.283185307179586 / REPEAT_PERIOD, t, s);
+        fw_sum(m->wind, N_WIND, 3, 1, 6.283185307179586 / REPEAT_PERIOD, t, s);
         for (j = 0; j < 3; j++) m->signal[COLUMN_WIND + j] += s[j];
     }
 #endif
