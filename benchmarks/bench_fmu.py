@@ -75,17 +75,28 @@ def seconds_per_step(exported, driven: list[str], start: dict[str, float]) -> fl
         }  # fmt: skip
         (folder / "loop.c").write_text(LOOP % values)
         library = next((folder / "binaries" / "linux64").glob("*.so"))
-        subprocess.run(["gcc", "-O2", "-o", "loop", "loop.c", str(library), f"-Wl,-rpath,{library.parent}"], cwd=folder, check=True)
-        return min(float(subprocess.run([folder / "loop"], check=True, capture_output=True, text=True).stdout.split()[0]) for _ in range(3))
+        subprocess.run(
+            ["gcc", "-O2", "-o", "loop", "loop.c", str(library), f"-Wl,-rpath,{library.parent}"], cwd=folder, check=True
+        )
+        return min(
+            float(subprocess.run([folder / "loop"], check=True, capture_output=True, text=True).stdout.split()[0])
+            for _ in range(3)
+        )
 
 
 def main() -> None:
-    study = sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent / "validation" / "oc4_deepcwind" / "oc4.fowt"
+    study = (
+        sys.argv[1]
+        if len(sys.argv) > 1
+        else Path(__file__).resolve().parent.parent / "validation" / "oc4_deepcwind" / "oc4.fowt"
+    )
     with tempfile.TemporaryDirectory() as scratch:
         began = time.perf_counter()
         model = fowtio.build(fowtio.load(study))
         exported = export_fmu(model, Path(scratch) / "bench.fmu")
-        print(f"export {time.perf_counter() - began:.1f} s, {exported.linearised.space.order} states, {exported.files['2.0'].stat().st_size / 1e3:.0f} kB")
+        print(
+            f"export {time.perf_counter() - began:.1f} s, {exported.linearised.space.order} states, {exported.files['2.0'].stat().st_size / 1e3:.0f} kB"
+        )
         forces = [f"Wave.{n}" for n in ("ForceX", "ForceY", "ForceZ", "MomentX", "MomentY", "MomentZ")]
         for label, driven, start in (
             ("wave elevation", ["Wave.Elevation"], {}), ("six wave forces", forces, {}), ("internal sea", [], {"Sea.Hs": 3.0}),

@@ -42,7 +42,17 @@ PLATFORMS = {
     "linux64": ("linux64", "x86_64-linux", ".so", ("gcc", "cc", "clang"), ("-fPIC",)),
     "win64": ("win64", "x86_64-windows", ".dll", ("x86_64-w64-mingw32-gcc",), ("-static-libgcc",)),
 }  # fmt: skip
-FLAGS = ("-std=c99", "-O3", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wstrict-prototypes", "-Werror", "-fvisibility=hidden")
+FLAGS = (
+    "-std=c99",
+    "-O3",
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Wshadow",
+    "-Wstrict-prototypes",
+    "-Werror",
+    "-fvisibility=hidden",
+)
 _SPACE_GROUPS = {"elevation": "elevation", "wave_force": "wave_force", "sea": "wave_force", "wind": "wind", "turbulence": "wind",
                  "platform_force": "platform_force", "tower_force": "tower_force"}  # fmt: skip
 
@@ -147,7 +157,14 @@ def linearise(
     )  # fmt: skip
 
 
-def write_fmu(description: Description, path: str | Path, *, version: str = "2.0", platform: str = "linux64", compiler: str | None = None) -> Path:
+def write_fmu(
+    description: Description,
+    path: str | Path,
+    *,
+    version: str = "2.0",
+    platform: str = "linux64",
+    compiler: str | None = None,
+) -> Path:
     """Write an FMU from a description and return its path; the same description gives the same bytes."""
     compiler = compiler or find_compiler(platform)
     path = Path(path)
@@ -162,7 +179,9 @@ def write_fmu(description: Description, path: str | Path, *, version: str = "2.0
     return path
 
 
-def compile_library(sources: Path, binary: Path, compiler: str, platform: str = "linux64", flags: Sequence[str] = FLAGS) -> None:
+def compile_library(
+    sources: Path, binary: Path, compiler: str, platform: str = "linux64", flags: Sequence[str] = FLAGS
+) -> None:
     """Compile the sources of an FMU; raise ModelError with the compiler's words."""
     main = sources / ("fmi2.c" if (sources / "fmi2.c").is_file() else "fmi3.c")
     strip = () if any(f.startswith(("-g", "-fsanitize")) for f in flags) else ("-s",)
@@ -178,12 +197,18 @@ def find_compiler(platform: str) -> str:
     for name in names:
         if shutil.which(name):
             return name
-    hint = "on Debian: apt-get install gcc-mingw-w64-x86-64" if platform == "win64" else "on Debian: apt-get install gcc"
+    hint = (
+        "on Debian: apt-get install gcc-mingw-w64-x86-64" if platform == "win64" else "on Debian: apt-get install gcc"
+    )
     raise ModelError(f"no compiler for {platform} is installed ({', '.join(names)}); {hint}")
 
 
 def _check_names(inputs: Sequence[str], versions: Sequence[str], platform: str) -> None:
-    for given, known, what in ((inputs, GROUPS, "group of inputs"), (versions, VERSIONS, "FMI version"), ([platform], tuple(PLATFORMS), "platform")):
+    for given, known, what in (
+        (inputs, GROUPS, "group of inputs"),
+        (versions, VERSIONS, "FMI version"),
+        ([platform], tuple(PLATFORMS), "platform"),
+    ):
         for name in given:
             if name not in known:
                 raise ModelError(f"{what} {name!r} is unknown; there are {', '.join(known)}")
@@ -236,7 +261,11 @@ def _describe(model: Model, found: Linearised, path: Path, inputs: Sequence[str]
     windy = entry.wind_speed > 0
     outside = [n for n in found.space.inputs if _group(n) in inputs]
     sea = _sea(found, inputs) if "sea" in inputs else None
-    turbulence = _turbulence(model, entry, point, inputs) if windy and "turbulence" in inputs and point.rotor is not None else None
+    turbulence = (
+        _turbulence(model, entry, point, inputs)
+        if windy and "turbulence" in inputs and point.rotor is not None
+        else None
+    )
     radiation, excitation = found.radiation, found.excitation
     notes = {
         "study": model.case.title, "state": entry.name, "wind_speed_m_s": entry.wind_speed, "states": found.space.order,
@@ -255,16 +284,35 @@ def _describe(model: Model, found: Linearised, path: Path, inputs: Sequence[str]
 
 def _group(column: str) -> str:
     """Return the group of inputs that a column of the state space belongs to."""
-    return "wind" if column.startswith("wind") else column.rsplit("_", 1)[0] if column.startswith(("wave", "platform", "tower")) else column
+    return (
+        "wind"
+        if column.startswith("wind")
+        else column.rsplit("_", 1)[0]
+        if column.startswith(("wave", "platform", "tower"))
+        else column
+    )
 
 
 def _sea(found: Linearised, inputs: Sequence[str]) -> SeaTable:
     """Return the table of the internal sea, calm at the start where waves can come from outside."""
     start = found.state.sea
     if start.kind not in ("jonswap", "pierson_moskowitz") or {"elevation", "wave_force"} & set(inputs):
-        start = replace(start, kind="jonswap", significant_height=0.0, peak_period=start.peak_period or 10.0, gamma=None, level=None, band=None, systems=None, omega=None, spectrum=None)
+        start = replace(
+            start,
+            kind="jonswap",
+            significant_height=0.0,
+            peak_period=start.peak_period or 10.0,
+            gamma=None,
+            level=None,
+            band=None,
+            systems=None,
+            omega=None,
+            spectrum=None,
+        )
     hydro = found.point.system.hydro
-    omega = np.unique(np.concatenate([[0.01, 0.03], hydro.omega, np.linspace(hydro.omega[-1], 2 * np.pi * SEA_TOP, 12)]))
+    omega = np.unique(
+        np.concatenate([[0.01, 0.03], hydro.omega, np.linspace(hydro.omega[-1], 2 * np.pi * SEA_TOP, 12)])
+    )
     omega = omega[(omega >= found.waves.omega[0]) & (omega <= found.waves.omega[-1])]
     return sea_table(found.waves, range(found.column + 1, len(found.waves.heading)), omega, start)
 
@@ -281,7 +329,11 @@ def _turbulence(model: Model, entry: StateEntry, point: OperatingPoint, inputs: 
         from model.environment.wind import turbulence_sigma
 
         given = entry.turbulence
-        intensity = turbulence_sigma(given, "NTM", entry.wind_speed) / entry.wind_speed if isinstance(given, str) else float(given)
+        intensity = (
+            turbulence_sigma(given, "NTM", entry.wind_speed) / entry.wind_speed
+            if isinstance(given, str)
+            else float(given)
+        )
     return turbulence_table(wind, point.rotor, intensity)
 
 

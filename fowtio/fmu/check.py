@@ -68,7 +68,9 @@ def check_fmu(exported: Exported, *, progress: Callable[[str], None] = lambda te
         out += check_file(path)
         driven = driven_by(exported)
         if driven is None:
-            out.append(Finding(name=f"{path.name}: responses", passed=True, text="no wave input from outside, not compared"))
+            out.append(
+                Finding(name=f"{path.name}: responses", passed=True, text="no wave input from outside, not compared")
+            )
             continue
         progress(f"comparing responses, FMI {version}")
         found = compare_responses(exported, path, driven)
@@ -91,12 +93,20 @@ def check_file(path: str | Path) -> list[Finding]:
 
     path = Path(path)
     problems = validate_fmu(str(path))
-    out = [Finding(name=f"{path.name}: rules of the standard (FMPy)", passed=not problems, text="; ".join(problems) or "no finding")]
+    out = [
+        Finding(
+            name=f"{path.name}: rules of the standard (FMPy)",
+            passed=not problems,
+            text="; ".join(problems) or "no finding",
+        )
+    ]
     with tempfile.TemporaryDirectory() as scratch:
         with zipfile.ZipFile(path) as archive:
             archive.extractall(scratch)
         try:
-            compile_library(Path(scratch) / "sources", Path(scratch) / "check.so", find_compiler("linux64"), flags=FLAGS)
+            compile_library(
+                Path(scratch) / "sources", Path(scratch) / "check.so", find_compiler("linux64"), flags=FLAGS
+            )
             out.append(Finding(name=f"{path.name}: its own sources compile", passed=True, text="no warning"))
         except ModelError as error:
             out.append(Finding(name=f"{path.name}: its own sources compile", passed=False, text=str(error)))
@@ -111,7 +121,9 @@ def driven_by(exported: Exported) -> str | None:
     return "wave_force" if "Wave.ForceX" in names else "elevation" if "Wave.Elevation" in names else None
 
 
-def compare_responses(exported: Exported, path: str | Path, driven: str, *, low: float = 0.005, high: float = 0.5) -> Comparison:
+def compare_responses(
+    exported: Exported, path: str | Path, driven: str, *, low: float = 0.005, high: float = 0.5
+) -> Comparison:
     """Return the RAOs of an FMU in co-simulation beside the model's, low to high [Hz].
 
     The FMU is driven by a periodic sum of waves of equal amplitude and random phases until it has forgotten its start; the
@@ -143,7 +155,14 @@ def compare_responses(exported: Exported, path: str | Path, driven: str, *, low:
     fmu = one / (phase * hold)[:, None]
     model = reference[:, [found.point.outputs.names.index(n) for n in channels]]
     units = [found.point.outputs.units[found.point.outputs.names.index(n)] for n in channels]
-    return Comparison(omega=omega, channels=tuple(channels), fmu=fmu, model=model, counted=_counted(np.abs(model), units), data=np.isin(lines, nodes))
+    return Comparison(
+        omega=omega,
+        channels=tuple(channels),
+        fmu=fmu,
+        model=model,
+        counted=_counted(np.abs(model), units),
+        data=np.isin(lines, nodes),
+    )
 
 
 def _signals(driven: str, lines, phase, force, count: int, shift: float, omega) -> dict[str, np.ndarray]:
@@ -166,7 +185,9 @@ def _reference(found: Linearised, omega, force) -> np.ndarray:
     grid = prepare(system, omega, found.response.excitation.heading[[found.column]])
     here, rows = system.platform, [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
     stiffness = _dynamic_stiffness(system, found.point.mean, grid, here, rows)
-    stiffness[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * found.response.drag_damping[np.ix_(rows, rows)]
+    stiffness[:, np.asarray(here)[:, None], here] += (
+        1j * omega[:, None, None] * found.response.drag_damping[np.ix_(rows, rows)]
+    )
     full = np.zeros((len(omega), len(system.dofs), 1), dtype=complex)
     full[:, here, 0] = force[:, rows]
     motion = np.linalg.solve(stiffness, full)[..., 0]

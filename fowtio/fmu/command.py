@@ -31,7 +31,14 @@ def export(
     with terminal.Progress(quiet=quiet or as_json is not None) as say:
         model = build(load(case), progress=say)
         written = export_fmu(
-            model, out or Path(f"{case.stem}.fmu"), state=state, versions=_FMI[fmi], inputs=groups, order=order, platform=platform, progress=say
+            model,
+            out or Path(f"{case.stem}.fmu"),
+            state=state,
+            versions=_FMI[fmi],
+            inputs=groups,
+            order=order,
+            platform=platform,
+            progress=say,
         )
         findings = check_fmu(written, progress=say) if check else []
     if as_json is not None:
@@ -51,15 +58,23 @@ def simulate_file(
     """Simulate an FMU, write series, comparison and figure, print what was found."""
     with terminal.Progress(quiet=quiet or as_json is not None) as say:
         say("simulating")
-        found = simulate(path, duration=duration, step=step, elevation=elevation, start=_parameters(start), discard=discard)
+        found = simulate(
+            path, duration=duration, step=step, elevation=elevation, start=_parameters(start), discard=discard
+        )
         files = write_simulation(found, out or Path("results") / path.stem, figures=figures)
     if as_json is not None:
         as_json(_simulation_json(found, files))
     elif not quiet:
         rows = [
-            (m.name, f"σ {m.std_fmu:.4g} {m.unit}, reference {m.std_reference:.4g} ({100 * m.std_error:+.2f} %), correlation {m.correlation:.4f}")
+            (
+                m.name,
+                f"σ {m.std_fmu:.4g} {m.unit}, reference {m.std_reference:.4g} ({100 * m.std_error:+.2f} %), correlation {m.correlation:.4f}",
+            )
             for m in found.matches
-        ] or [(n, f"mean {v.mean():.4g}, σ {v.std():.4g} {u}") for n, u, v in zip(found.names, found.units, found.values.T, strict=True)]
+        ] or [
+            (n, f"mean {v.mean():.4g}, σ {v.std():.4g} {u}")
+            for n, u, v in zip(found.names, found.units, found.values.T, strict=True)
+        ]
         terminal.show_rows(f"{path.name}, {found.time[-1]:g} s in steps of {found.time[1]:g} s", rows)
         terminal.show_rows("written", [(f.name, str(f)) for f in files])
 
@@ -88,7 +103,12 @@ def _rows(written: Exported) -> list[tuple[str, str]]:
         ("radiation fit", f"largest error {100 * radiation.largest_error:.2f} % of a pair's peak; least damping {radiation.least_damping[1]:.1e} of the peak"),
     ]  # fmt: skip
     if excitation is not None:
-        rows.append(("excitation fit", f"{len(excitation.a)} states, {excitation.shift:g} s late; largest error {100 * excitation.error.max():.2f} % of a force's peak"))
+        rows.append(
+            (
+                "excitation fit",
+                f"{len(excitation.a)} states, {excitation.shift:g} s late; largest error {100 * excitation.error.max():.2f} % of a force's peak",
+            )
+        )
     return rows
 
 
@@ -103,7 +123,9 @@ def _export_json(written: Exported, findings: Sequence[Finding]) -> dict:
 
 
 def _simulation_json(found: Simulation, files: Sequence[Path]) -> dict:
-    statistics = {n: {"mean": float(v.mean()), "std": float(v.std())} for n, v in zip(found.names, found.values.T, strict=True)}
+    statistics = {
+        n: {"mean": float(v.mean()), "std": float(v.std())} for n, v in zip(found.names, found.values.T, strict=True)
+    }
     return {
         "fmu": str(found.path), "duration": float(found.time[-1]), "step": float(found.time[1]), "discard": found.discard, "statistics": statistics,
         "comparison": {

@@ -75,9 +75,14 @@ class Variable:
     @property
     def causality(self) -> str:
         """Causality in the sense of FMI."""
-        return {"time": "independent", "input": "input", "parameter": "parameter", "integer": "parameter", "constant": "output", "output": "output"}.get(
-            self.kind, "local"
-        )
+        return {
+            "time": "independent",
+            "input": "input",
+            "parameter": "parameter",
+            "integer": "parameter",
+            "constant": "output",
+            "output": "output",
+        }.get(self.kind, "local")
 
     @property
     def variability(self) -> str:
@@ -87,7 +92,9 @@ class Variable:
     @property
     def initial(self) -> str | None:
         """The attribute `initial`, None for inputs and time, which have none."""
-        return {"time": None, "input": None, "parameter": "exact", "integer": "exact", "constant": "exact"}.get(self.kind, "calculated")
+        return {"time": None, "input": None, "parameter": "exact", "integer": "exact", "constant": "exact"}.get(
+            self.kind, "calculated"
+        )
 
     @property
     def display_unit(self) -> str | None:
@@ -142,10 +149,17 @@ class Description:
     @property
     def token(self) -> str:
         """GUID or instantiation token: a fingerprint of all numbers and names."""
-        digest = hashlib.sha256(repr((self.identifier, self.title, self.variables, self.columns, self.input_column, self.input_offset)).encode())
+        digest = hashlib.sha256(
+            repr(
+                (self.identifier, self.title, self.variables, self.columns, self.input_column, self.input_offset)
+            ).encode()
+        )
         for array in (self.modal.a, self.modal.b, self.modal.c, self.modal.d, self.modal.mean, self.modal.initial):
             digest.update(np.ascontiguousarray(array).tobytes())
-        for array in (None if self.sea is None else self.sea.force, None if self.turbulence is None else self.turbulence.amplitude):
+        for array in (
+            None if self.sea is None else self.sea.force,
+            None if self.turbulence is None else self.turbulence.amplitude,
+        ):
             digest.update(b"" if array is None else np.ascontiguousarray(array).tobytes())
         h = digest.hexdigest()
         return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
@@ -180,21 +194,55 @@ def describe(
     for k, name in enumerate(outside):
         label, text = _input_name(name)
         start = wind_speed if name == "wind" else 0.0
-        variables.append(Variable(name=label, kind="input", index=k, unit=_unit(space.input_units[columns.index(name)]), description=text, start=start))
+        variables.append(
+            Variable(
+                name=label,
+                kind="input",
+                index=k,
+                unit=_unit(space.input_units[columns.index(name)]),
+                description=text,
+                start=start,
+            )
+        )
     variables += _parameters(space, sea, turbulence, bool(outside))
     if space.time_shift:
         text = "the response to Wave.Elevation is this late: give the elevation this much earlier"
-        variables.append(Variable(name="Wave.TimeShift", kind="constant", index=0, unit="s", description=text, start=space.time_shift))
+        variables.append(
+            Variable(
+                name="Wave.TimeShift", kind="constant", index=0, unit="s", description=text, start=space.time_shift
+            )
+        )
     labels = {n: _input_name(n)[0] for n in outside}
     for k, name in enumerate(space.outputs):
         label, text, channel = _output_name(name)
         feeds = tuple(labels[n] for n in outside if modal.d[k, columns.index(n)] != 0)
-        variables.append(Variable(name=label, kind="output", index=k, unit=_unit(space.output_units[k]), description=text, feeds=feeds, channel=channel))
+        variables.append(
+            Variable(
+                name=label,
+                kind="output",
+                index=k,
+                unit=_unit(space.output_units[k]),
+                description=text,
+                feeds=feeds,
+                channel=channel,
+            )
+        )
     for k in range(len(modal.a)):
-        variables.append(Variable(name=f"State.Mode[{k + 1}]", kind="state", index=k, description=f"state {k + 1} in modal form"))
+        variables.append(
+            Variable(name=f"State.Mode[{k + 1}]", kind="state", index=k, description=f"state {k + 1} in modal form")
+        )
     for k in range(len(modal.a)):
         feeds = tuple(labels[n] for n in outside if modal.b[k, columns.index(n)] != 0)
-        variables.append(Variable(name=f"der(State.Mode[{k + 1}])", kind="derivative", index=k, unit="1/s", description=f"time derivative of state {k + 1}", feeds=feeds))
+        variables.append(
+            Variable(
+                name=f"der(State.Mode[{k + 1}])",
+                kind="derivative",
+                index=k,
+                unit="1/s",
+                description=f"time derivative of state {k + 1}",
+                feeds=feeds,
+            )
+        )
     return Description(
         identifier=identifier, title=title or identifier, variables=tuple(variables), modal=modal, columns=columns,
         input_column=tuple(columns.index(n) for n in outside),
@@ -203,10 +251,17 @@ def describe(
     )  # fmt: skip
 
 
-def _with_signals(space: StateSpace, modal: ModalForm, sea, turbulence, outside, wind_speed: float) -> tuple[StateSpace, ModalForm]:
+def _with_signals(
+    space: StateSpace, modal: ModalForm, sea, turbulence, outside, wind_speed: float
+) -> tuple[StateSpace, ModalForm]:
     """Return both with the outputs that only pass on what comes in: the internal sea's elevation and the wind at the hub."""
     b, c, d, mean = modal.b, modal.c, modal.d, modal.mean
-    inputs, input_units, outputs, units = list(space.inputs), list(space.input_units), list(space.outputs), list(space.output_units)
+    inputs, input_units, outputs, units = (
+        list(space.inputs),
+        list(space.input_units),
+        list(space.outputs),
+        list(space.output_units),
+    )
     if sea is not None:
         inputs.append("sea_elevation")
         input_units.append("m")
@@ -228,7 +283,9 @@ def _with_signals(space: StateSpace, modal: ModalForm, sea, turbulence, outside,
     return wide, modal
 
 
-def _parameters(space: StateSpace, sea: SeaTable | None, turbulence: TurbulenceTable | None, has_inputs: bool) -> list[Variable]:
+def _parameters(
+    space: StateSpace, sea: SeaTable | None, turbulence: TurbulenceTable | None, has_inputs: bool
+) -> list[Variable]:
     """Return the parameters, real ones and integers, in the order of their places."""
     real, integer = [], []
     if sea is not None:
@@ -243,20 +300,59 @@ def _parameters(space: StateSpace, sea: SeaTable | None, turbulence: TurbulenceT
             Variable(name="Sea.Gamma", kind="parameter", index=2, unit="1", start=gamma, low=1.0, high=7.0, description="JONSWAP peak factor of the internal sea"),
             Variable(name="Sea.Heading", kind="parameter", index=3, unit="rad", start=float(np.clip(first.heading, low, high)), low=float(low), high=float(high), description="direction the internal sea goes to, 0 downwind, counter-clockwise"),
         ]  # fmt: skip
-        integer.append(Variable(name="Sea.Seed", kind="integer", index=0, start=1, low=0, high=2**31 - 1, description="seed of the internal sea's phases"))
+        integer.append(
+            Variable(
+                name="Sea.Seed",
+                kind="integer",
+                index=0,
+                start=1,
+                low=0,
+                high=2**31 - 1,
+                description="seed of the internal sea's phases",
+            )
+        )
     if turbulence is not None:
         real += [
             Variable(name="Wind.MeanOffset", kind="parameter", index=len(real), unit="m/s", start=0.0, low=-10.0, high=10.0, description="added to the wind speed of the operating point"),
             Variable(name="Wind.TurbulenceIntensity", kind="parameter", index=len(real) + 1, unit="1", start=turbulence.intensity, low=0.0, high=1.0, description="of the internal wind; 0: steady"),
         ]  # fmt: skip
-        integer.append(Variable(name="Wind.Seed", kind="integer", index=len(integer), start=1, low=0, high=2**31 - 1, description="seed of the internal wind's phases"))
+        integer.append(
+            Variable(
+                name="Wind.Seed",
+                kind="integer",
+                index=len(integer),
+                start=1,
+                low=0,
+                high=2**31 - 1,
+                description="seed of the internal wind's phases",
+            )
+        )
     for name, unit in zip(space.initial_names, space.initial_units, strict=True):
         label = "Initial." + "".join(_INITIAL.get(part, part.capitalize()) for part in name.split("_"))
         what = name.replace("_", " ")
-        real.append(Variable(name=label, kind="parameter", index=len(real), unit=_unit(unit), start=0.0, description=f"{what} at the start, deviation from the mean"))
+        real.append(
+            Variable(
+                name=label,
+                kind="parameter",
+                index=len(real),
+                unit=_unit(unit),
+                start=0.0,
+                description=f"{what} at the start, deviation from the mean",
+            )
+        )
     if has_inputs:
         text = "co-simulation inputs within a step: 0 held (or along the derivatives given), 1 linear from their values at the last communication point"
-        integer.append(Variable(name="Settings.InputInterpolation", kind="integer", index=len(integer), start=0, low=0, high=1, description=text))
+        integer.append(
+            Variable(
+                name="Settings.InputInterpolation",
+                kind="integer",
+                index=len(integer),
+                start=0,
+                low=0,
+                high=1,
+                description=text,
+            )
+        )
     return real + integer
 
 
@@ -264,7 +360,9 @@ def sea_table(waves: WaveForce, columns: Sequence[int], omega, start: SeaState) 
     """Return the wave force from some headings of `waves` at omega (n) [rad/s], between which it is taken as linear."""
     chosen = [list(columns)[k] for k in np.argsort(waves.heading[list(columns)])]
     force = np.stack([waves.at(omega, column) for column in chosen])
-    return SeaTable(omega=frozen(omega), heading=frozen(waves.heading[chosen]), force=frozen(force, dtype=complex), start=start)
+    return SeaTable(
+        omega=frozen(omega), heading=frozen(waves.heading[chosen]), force=frozen(force, dtype=complex), start=start
+    )
 
 
 def turbulence_table(wind: WindState, rotor: RotorSensitivity, intensity: float) -> TurbulenceTable:
@@ -273,7 +371,9 @@ def turbulence_table(wind: WindState, rotor: RotorSensitivity, intensity: float)
     omega = 2 * np.pi * np.arange(1, int(WIND_TOP * REPEAT_PERIOD) + 1) / REPEAT_PERIOD
     collective, gradient = rotor_spectra(unit, rotor, omega)
     step = 2 * np.pi / REPEAT_PERIOD
-    return TurbulenceTable(amplitude=frozen(2 * np.sqrt(2 * step * np.stack([collective, gradient]))), intensity=intensity)
+    return TurbulenceTable(
+        amplitude=frozen(2 * np.sqrt(2 * step * np.stack([collective, gradient]))), intensity=intensity
+    )
 
 
 def _full_turn(heading) -> bool:

@@ -61,7 +61,9 @@ class Runner:
         start = dict(start or {})
         for name in (*inputs, *outputs, *start):
             if name not in self.variables:
-                raise FormatError(self.path, expected=f"a variable named {name}", found=", ".join(list(self.variables)[:40]) + " ...")
+                raise FormatError(
+                    self.path, expected=f"a variable named {name}", found=", ".join(list(self.variables)[:40]) + " ..."
+                )
         instance = instantiate_fmu(self.folder, self.description, "CoSimulation")
         try:
             ahead = INTERPOLATION in self.variables
@@ -85,7 +87,11 @@ class Runner:
             else:
                 (instance.setReal if two else instance.setFloat64)([variable.valueReference], [float(value)])
         references = [self.variables[n].valueReference for n in inputs]
-        table = np.ascontiguousarray(np.stack([np.asarray(v, dtype=float) for v in inputs.values()], axis=1)) if inputs else None
+        table = (
+            np.ascontiguousarray(np.stack([np.asarray(v, dtype=float) for v in inputs.values()], axis=1))
+            if inputs
+            else None
+        )
         put, get = self._functions(instance, references, [self.variables[n].valueReference for n in outputs])
         if inputs:
             put(table[0])

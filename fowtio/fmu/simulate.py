@@ -96,16 +96,35 @@ def simulate(
         time = np.arange(steps + 1) * step
         if record is not None:
             if "Wave.Elevation" not in runner.variables:
-                raise FormatError(path, expected="an FMU with the input Wave.Elevation", found=", ".join(runner.names("input")) or "no input")
+                raise FormatError(
+                    path,
+                    expected="an FMU with the input Wave.Elevation",
+                    found=", ".join(runner.names("input")) or "no input",
+                )
             inputs["Wave.Elevation"] = _early(record, step, steps, runner.constant("Wave.TimeShift"))
-        names = tuple(outputs or [v.name for v in runner.description.modelVariables if v.causality == "output" and v.variability != "constant"])
+        names = tuple(
+            outputs
+            or [
+                v.name
+                for v in runner.description.modelVariables
+                if v.causality == "output" and v.variability != "constant"
+            ]
+        )
         values = runner.run(steps, step, inputs, names, start)
         units = tuple(runner.variables[n].unit or "1" for n in names)
     channels = openfast_channels(path)
     discard = discard if discard is not None else min(2000.0, duration / 2)
     matches = () if record is None else _compare(time, names, units, values, record, channels, discard)
     return Simulation(
-        path=Path(path), time=time, names=names, units=units, values=values, reference=record, discard=discard, matches=matches, openfast=channels
+        path=Path(path),
+        time=time,
+        names=names,
+        units=units,
+        values=values,
+        reference=record,
+        discard=discard,
+        matches=matches,
+        openfast=channels,
     )
 
 
@@ -122,7 +141,14 @@ def write_simulation(found: Simulation, folder: str | Path, *, figures: bool = T
     folder = Path(folder)
     with atomic_folder(folder) as inside:
         head = ",".join(["time [s]", *(f"{n} [{u}]" for n, u in zip(found.names, found.units, strict=True))])
-        np.savetxt(inside / "series.csv", np.column_stack([found.time, found.values]), fmt="%.9g", delimiter=",", header=head, comments="")
+        np.savetxt(
+            inside / "series.csv",
+            np.column_stack([found.time, found.values]),
+            fmt="%.9g",
+            delimiter=",",
+            header=head,
+            comments="",
+        )
         if found.matches:
             lines = ["output,channel,unit,std_fmu,std_reference,std_error,correlation,difference"]
             lines += [",".join([m.name, m.channel, m.unit, *(f"{getattr(m, f):.6g}" for f in ("std_fmu", "std_reference", "std_error", "correlation", "difference"))])
@@ -142,7 +168,13 @@ def draw(found: Simulation) -> Drawing:
     with rc_context(RC):
         figure = _panels(found, shown, matched)
     beside = " beside a reference driven by the same waves" if matched else ""
-    return Drawing(name="series", group="simulation", title="Time series", caption=f"The last minutes of the FMU's simulation{beside}.", figure=figure)
+    return Drawing(
+        name="series",
+        group="simulation",
+        title="Time series",
+        caption=f"The last minutes of the FMU's simulation{beside}.",
+        figure=figure,
+    )
 
 
 def _panels(found: Simulation, shown: Sequence[str], matched: Mapping[str, ChannelMatch]) -> Figure:
@@ -185,7 +217,9 @@ def _reference_series(record: TimeSeries, channel: str) -> tuple[np.ndarray, np.
     return record.time - record.time[0], record.channel(channel) * TO_SI.get(record.unit(channel), 1.0)
 
 
-def _compare(time, names, units, values, record: TimeSeries, channels: dict[str, str], discard: float) -> tuple[ChannelMatch, ...]:
+def _compare(
+    time, names, units, values, record: TimeSeries, channels: dict[str, str], discard: float
+) -> tuple[ChannelMatch, ...]:
     """Return the outputs beside the channels of the same name that move."""
     known = {n.lower() for n in record.names}
     late = time >= discard

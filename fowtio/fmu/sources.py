@@ -24,14 +24,18 @@ _KINDS = {
 def write_sources(d: Description, version: str, folder: Path) -> None:
     """Write everything but the binary of an FMU of FMI version "2.0" or "3.0" into a folder."""
     templates = template_folder("fmu")
-    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(templates), keep_trailing_newline=True, undefined=jinja2.StrictUndefined)
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(templates), keep_trailing_newline=True, undefined=jinja2.StrictUndefined
+    )
     main = "fmi2.c" if version == "2.0" else "fmi3.c"
     sources = folder / "sources"
     sources.mkdir(parents=True)
 
     def render(template: str, place: Path, **values) -> None:
         place.parent.mkdir(parents=True, exist_ok=True)
-        place.write_text(environment.get_template(template).render(d=d, version=fowtio.__version__, **values), encoding="utf-8")
+        place.write_text(
+            environment.get_template(template).render(d=d, version=fowtio.__version__, **values), encoding="utf-8"
+        )
 
     for name in (*C_FILES, main, "LICENSE"):
         (sources / name).write_text((templates / name).read_text(encoding="utf-8"), encoding="utf-8")
@@ -45,7 +49,9 @@ def write_sources(d: Description, version: str, folder: Path) -> None:
         render("modelDescription3.xml.j2", folder / "modelDescription.xml", licence=LICENCE, **structure)
         render("buildDescription.xml.j2", sources / "buildDescription.xml")
         if terminals := _terminals(d):
-            render("terminalsAndIcons.xml.j2", folder / "terminalsAndIcons" / "terminalsAndIcons.xml", terminals=terminals)
+            render(
+                "terminalsAndIcons.xml.j2", folder / "terminalsAndIcons" / "terminalsAndIcons.xml", terminals=terminals
+            )
         licences = folder / "documentation" / "licenses"
     licences.mkdir(parents=True)
     (licences / "license.txt").write_text((templates / "LICENSE").read_text(encoding="utf-8"), encoding="utf-8")
@@ -63,9 +69,13 @@ def _structure(d: Description) -> dict:
     place = {v.name: k for k, v in enumerate(d.variables)}
     states = [place[v.name] for v in d.of_kind("state")]
     used = {v.unit for v in d.variables}
-    outputs = [(place[v.name], sorted(_states(d, v, states) + [place[n] for n in v.feeds])) for v in d.of_kind("output")]
+    outputs = [
+        (place[v.name], sorted(_states(d, v, states) + [place[n] for n in v.feeds])) for v in d.of_kind("output")
+    ]
     constants = [(place[v.name], []) for v in d.of_kind("constant")]
-    derivatives = [(place[v.name], sorted(_own(d, v.index, states) + [place[n] for n in v.feeds])) for v in d.of_kind("derivative")]
+    derivatives = [
+        (place[v.name], sorted(_own(d, v.index, states) + [place[n] for n in v.feeds])) for v in d.of_kind("derivative")
+    ]
     initial = sorted([p for p, _ in outputs] + states + [p for p, _ in derivatives])
     return {
         "units": [(name, UNITS[name]) for name in UNITS if name in used and name != "1"], "outputs": constants + outputs, "derivatives": derivatives,
@@ -95,7 +105,9 @@ def _terminals(d: Description) -> list[tuple[str, str, list[str]]]:
         ("TowerTop", "tower top: external forces, motion", those("Tower.Top", "Nacelle."), "Tower.TopForce"),
         ("WaveLoad", "generalised wave forces", those("Wave.Force", "Wave.Moment"), "Wave.Force"),
     ]  # fmt: skip
-    return [(name, text, members) for name, text, members, needed in groups if any(m.startswith(needed) for m in members)]
+    return [
+        (name, text, members) for name, text, members, needed in groups if any(m.startswith(needed) for m in members)
+    ]
 
 
 def _c_tables(d: Description) -> dict:
@@ -144,7 +156,14 @@ def _c_tables(d: Description) -> dict:
         arrays.append(_array("float", "wind_amplitude", d.turbulence.amplitude, 2, "N_WIND"))
     kinds = "{" + ", ".join(_KINDS[v.kind] for v in d.variables) + "}"
     indices = "{" + ", ".join(str(v.index) for v in d.variables) + "}"
-    return {"title": d.title.replace("*/", "* /"), "token": d.token, "sizes": sizes, "arrays": arrays, "kinds": kinds, "indices": indices}
+    return {
+        "title": d.title.replace("*/", "* /"),
+        "token": d.token,
+        "sizes": sizes,
+        "arrays": arrays,
+        "kinds": kinds,
+        "indices": indices,
+    }
 
 
 def _array(kind: str, name: str, values, *lengths) -> tuple[str, str]:
@@ -158,13 +177,18 @@ def _array(kind: str, name: str, values, *lengths) -> tuple[str, str]:
     elif kind == "float":
         write = "{:.6e}f".format
     else:
+
         def write(x):
             return str(int(x))
 
     def nested(a: np.ndarray, ends: str) -> str:
         if a.ndim == 1:
             return "{" + ", ".join(write(float(x)) for x in a) + "}" if len(a) else "{0}"
-        return "{" + (",\n" if a.ndim == 2 else ",\n\n").join(nested(row, "") for row in a) + "}" if len(a) else "{" * a.ndim + "0" + "}" * a.ndim
+        return (
+            "{" + (",\n" if a.ndim == 2 else ",\n\n").join(nested(row, "") for row in a) + "}"
+            if len(a)
+            else "{" * a.ndim + "0" + "}" * a.ndim
+        )
 
     if array.ndim > 1 and array.shape[-1] == 0:
         array = np.zeros((*array.shape[:-1], 1))

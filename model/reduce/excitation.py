@@ -69,7 +69,10 @@ class WaveForce:
         """Return the force (k, 6) at frequencies omega (k) [rad/s] from one of the headings."""
         omega = np.asarray(omega, dtype=float)
         potential = excitation_at(self.hydro, omega, self.heading[column], low_frequency=self.low_frequency)
-        drag = [np.interp(omega, self.omega, f.real) + 1j * np.interp(omega, self.omega, f.imag) for f in self.drag[column].T]
+        drag = [
+            np.interp(omega, self.omega, f.real) + 1j * np.interp(omega, self.omega, f.imag)
+            for f in self.drag[column].T
+        ]
         return (potential + np.stack(drag, axis=1)) * self.free
 
 
@@ -83,7 +86,9 @@ def wave_force(hydro: HydroCoefficients, response: Response, *, low_frequency: s
     drag, free = np.zeros((*full.shape[:2], 6), dtype=complex), np.zeros(6)
     drag[..., rows] = full[..., places] - potential[..., rows]
     free[rows] = 1.0
-    return WaveForce(hydro=hydro, low_frequency=low_frequency, omega=drive.omega, heading=drive.heading, drag=drag, free=free)
+    return WaveForce(
+        hydro=hydro, low_frequency=low_frequency, omega=drive.omega, heading=drive.heading, drag=drag, free=free
+    )
 
 
 def fit_wave_force(waves: WaveForce, column: int, matters: Importance, *, band=(LOW, 3.2)) -> ExcitationFit:
@@ -125,14 +130,18 @@ def fit_excitation(
     omega, force = np.asarray(omega, dtype=float), np.asarray(force)
     live = np.flatnonzero(weight.any(axis=0))
     if not len(live):
-        return ExcitationFit(a=np.zeros((0, 0)), b=np.zeros(0), c=np.zeros((6, 0)), shift=0.0, error=np.zeros(6), worst=0.0)
+        return ExcitationFit(
+            a=np.zeros((0, 0)), b=np.zeros(0), c=np.zeros((6, 0)), shift=0.0, error=np.zeros(6), worst=0.0
+        )
     weight = weight[:, live] * np.where(nodes, 1.0, 0.1)[:, None]
     part = np.where(nodes[:, None], weight, 0.0)
     best: tuple[float, RationalFit, float] | None = None
     for order in orders:
         for shift in shifts:
             late = force[:, live] * np.exp(-1j * omega * shift)[:, None]
-            found, error = fit(omega, late, np.stack([weight, weight]), _poles(order, omega[-1]), rounds=5, iterations=5, part=part)
+            found, error = fit(
+                omega, late, np.stack([weight, weight]), _poles(order, omega[-1]), rounds=5, iterations=5, part=part
+            )
             if best is None or error < best[0]:
                 best = error, found, shift
         if best[0] <= target:

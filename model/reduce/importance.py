@@ -11,7 +11,9 @@ from model.response.loads import LinearOutputs, channel_response
 from model.response.solve import Response
 
 FAINT = 0.02  # of its peak: where a response is smaller, its relative error does not count
-DEAD = 1e-3  # of the largest channel of the same unit: a channel with a smaller peak is not excited (sway in head waves)
+DEAD = (
+    1e-3  # of the largest channel of the same unit: a channel with a smaller peak is not excited (sway in head waves)
+)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -54,7 +56,9 @@ def importance(outputs: LinearOutputs, response: Response, natural, band) -> Imp
             force = np.maximum(force, per_force)
         rate = omega[:, None] * np.abs(motion[:, places])
         each = per_force[:, places][:, :, None] * rate[:, None, :]
-        radiation[np.ix_(range(len(omega)), rows, rows)] = np.maximum(radiation[np.ix_(range(len(omega)), rows, rows)], each)
+        radiation[np.ix_(range(len(omega)), rows, rows)] = np.maximum(
+            radiation[np.ix_(range(len(omega)), rows, rows)], each
+        )
     by_platform = np.zeros((len(omega), 6))
     by_platform[:, rows] = force[:, places]
     both = np.maximum(radiation, np.swapaxes(radiation, 1, 2))

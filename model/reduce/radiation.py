@@ -83,7 +83,9 @@ def fit_radiation(
     omega = hydro.omega
     low, high = omega[0], omega[-1]
     natural = [] if matters is None else [w for w in matters.natural if low < w < high]
-    grid = np.unique(np.concatenate([[low / 4, low / 2], omega, natural, high * np.array([1.05, 1.1, 1.2, 1.35, 1.5, 2.0])]))
+    grid = np.unique(
+        np.concatenate([[low / 4, low / 2], omega, natural, high * np.array([1.05, 1.1, 1.2, 1.35, 1.5, 2.0])])
+    )
     urgent = np.zeros((len(grid), 6, 6)) if matters is None else pooled(matters.omega, matters.radiation, grid)
     data = retardation_transform(hydro, grid)
     inside = (grid >= low * (1 - 1e-9)) & (grid <= high * (1 + 1e-9))
@@ -100,7 +102,15 @@ def fit_radiation(
         exact, _ = least_damping(*parts[-1][1:], np.sqrt(np.diag(peak)[block]), high)
         least.append((best.before, exact))
     a, b, c = _stack(parts)
-    out = RadiationFit(a=a, b=b, c=c, error=np.zeros((6, 6)), blocks=tuple(names), orders=tuple(found), least_damping=tuple(float(v) for v in np.min(least, axis=0)))
+    out = RadiationFit(
+        a=a,
+        b=b,
+        c=c,
+        error=np.zeros((6, 6)),
+        blocks=tuple(names),
+        orders=tuple(found),
+        least_damping=tuple(float(v) for v in np.min(least, axis=0)),
+    )
     together = np.zeros((6, 6), dtype=bool)
     for block, *_ in parts:
         together[np.ix_(block, block)] = True
@@ -121,7 +131,9 @@ def least_damping(a, b, c, scale, top: float) -> tuple[float, list[float]]:
     pencil = np.block([
         [a, np.zeros((n, n)), b], [np.zeros((n, n)), -a.T, -c.T], [c, b.T, np.zeros((m, m))]
     ])  # fmt: skip
-    weight = np.concatenate([np.ones(2 * n), 1 / scale])  # rows and columns of the ports, so that the pencil is balanced
+    weight = np.concatenate(
+        [np.ones(2 * n), 1 / scale]
+    )  # rows and columns of the ports, so that the pencil is balanced
     pencil = pencil * weight[:, None] * weight
     values = eigvals(pencil, block_diag(np.eye(2 * n), np.zeros((m, m))))
     values = values[np.isfinite(values)]

@@ -141,7 +141,9 @@ def fit(
     for _ in range(rounds):
         for _ in range(iterations):
             poles = relocate(omega, values, now, poles, order)
-        found = RationalFit(poles=poles, coefficients=fit_coefficients(omega, values, now, poles, admissible(poles, order)))
+        found = RationalFit(
+            poles=poles, coefficients=fit_coefficients(omega, values, now, poles, admissible(poles, order))
+        )
         error = np.abs(found(omega) - values) * judge
         if best is None or error.max() < best[1]:
             best = found, float(error.max())

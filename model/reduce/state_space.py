@@ -233,14 +233,18 @@ def _output_rows(system: System, mean: Equilibrium, outputs: LinearOutputs, stru
         names.append("relative_wind")
         units.append("m/s")
         level.append(system.turbine.wind_speed)
-    rows = _Rows(*(np.concatenate([getattr(r, f) for r in blocks]) for f in ("position", "velocity", "acceleration", "direct")))
+    rows = _Rows(
+        *(np.concatenate([getattr(r, f) for r in blocks]) for f in ("position", "velocity", "acceleration", "direct"))
+    )
     return rows, tuple(names), tuple(units), np.array(level)
 
 
 class _Dynamics:
     """The matrices of motion, radiation and excitation in the order [x, x', radiation, excitation]."""
 
-    def __init__(self, system: System, mean: Equilibrium, drag_damping, radiation: RadiationFit, excitation: ExcitationFit | None):
+    def __init__(
+        self, system: System, mean: Equilibrium, drag_damping, radiation: RadiationFit, excitation: ExcitationFit | None
+    ):
         q, here = len(system.dofs), system.platform
         rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
         mass, damping = system.mass.copy(), system.damping.copy()
@@ -248,7 +252,11 @@ class _Dynamics:
         damping[np.ix_(here, here)] += np.asarray(drag_damping)[np.ix_(rows, rows)]
         live = np.flatnonzero(_reachable(radiation.a, np.any(radiation.b[:, rows] != 0, axis=1)))
         r, e = len(live), 0 if excitation is None else len(excitation.a)
-        self.system, self.q, self.places = system, q, (slice(0, q), slice(q, 2 * q), slice(2 * q, 2 * q + r), slice(2 * q + r, 2 * q + r + e))
+        self.system, self.q, self.places = (
+            system,
+            q,
+            (slice(0, q), slice(q, 2 * q), slice(2 * q, 2 * q + r), slice(2 * q + r, 2 * q + r + e)),
+        )
         position, rate, memory, wave = self.places
         self.inverse = np.linalg.inv(mass)
         from_memory, into_memory = np.zeros((q, r)), np.zeros((r, q))
@@ -285,7 +293,11 @@ class _Dynamics:
         """Return the states for unit deviations and rates of the degrees of freedom, names and units."""
         dofs = self.system.dofs
         units = ["rad" if d in PLATFORM_DOFS[3:] else "m" for d in dofs]
-        return np.eye(len(self.a))[:, : 2 * self.q], (*dofs, *(f"{d}_velocity" for d in dofs)), (*units, *(_RATE[u] for u in units))
+        return (
+            np.eye(len(self.a))[:, : 2 * self.q],
+            (*dofs, *(f"{d}_velocity" for d in dofs)),
+            (*units, *(_RATE[u] for u in units)),
+        )
 
 
 def _reachable(a: np.ndarray, start: np.ndarray) -> np.ndarray:
@@ -319,7 +331,9 @@ def modal_form(system: StateSpace, *, worst: float = WORST_CONDITION) -> ModalFo
         if condition < worst:
             break
     else:
-        raise ValueError(f"the state space cannot be split into modes (condition {condition:.1g}); leave a degree of freedom out")
+        raise ValueError(
+            f"the state space cannot be split into modes (condition {condition:.1g}); leave a degree of freedom out"
+        )
     real = np.flatnonzero(values.imag == 0)
     pairs = np.flatnonzero(values.imag > 0)
     real, pairs = real[np.argsort(-values[real].real)], pairs[np.argsort(np.abs(values[pairs]))]
@@ -329,7 +343,9 @@ def modal_form(system: StateSpace, *, worst: float = WORST_CONDITION) -> ModalFo
     basis[:, r::2], basis[:, r + 1 :: 2] = vectors[:, pairs].real, vectors[:, pairs].imag
     left, basis = np.linalg.inv(basis) / scale, basis * scale[:, None]
     c = system.c @ basis
-    size = np.maximum(np.linalg.norm(c / np.maximum(np.abs(system.c).max(axis=1, keepdims=True), 1e-300), axis=0), 1e-300)
+    size = np.maximum(
+        np.linalg.norm(c / np.maximum(np.abs(system.c).max(axis=1, keepdims=True), 1e-300), axis=0), 1e-300
+    )
     size[r::2] = size[r + 1 :: 2] = np.hypot(size[r::2], size[r + 1 :: 2])
     return ModalForm(
         real=values[real].real, decay=-values[pairs].real, frequency=values[pairs].imag, b=(left @ system.b) * size[:, None],
@@ -338,7 +354,9 @@ def modal_form(system: StateSpace, *, worst: float = WORST_CONDITION) -> ModalFo
     )  # fmt: skip
 
 
-def reduce_balanced(system: StateSpace, order: int | None = None, tolerance: float = 1e-3) -> tuple[StateSpace, np.ndarray, float]:
+def reduce_balanced(
+    system: StateSpace, order: int | None = None, tolerance: float = 1e-3
+) -> tuple[StateSpace, np.ndarray, float]:
     """Return a system with fewer states, its Hankel singular values (n) and the bound of its error.
 
     Balanced truncation of the system with inputs and outputs scaled to the size of their transfer functions. The bound, twice the
@@ -347,14 +365,19 @@ def reduce_balanced(system: StateSpace, order: int | None = None, tolerance: flo
     value. Raises ValueError for a system that is not stable.
     """
     if np.linalg.eigvals(system.a).real.max(initial=-1.0) >= 0:
-        raise ValueError("balanced reduction needs a stable system; are there moorings, and damping in every degree of freedom?")
+        raise ValueError(
+            "balanced reduction needs a stable system; are there moorings, and damping in every degree of freedom?"
+        )
     gain = np.abs(transfer(system, np.geomspace(1e-3, 10, 200)) - system.d).max(axis=0)
     out_scale = np.maximum(gain.max(axis=1), 1e-300)
     in_scale = np.maximum((gain / out_scale[:, None]).max(axis=0), 1e-300)
     _, (states, _) = matrix_balance(system.a, permute=False, separate=True)
     a = system.a / states[:, None] * states
     b, c = system.b / states[:, None] / in_scale, system.c * states / out_scale[:, None]
-    controllability, observability = _root(solve_continuous_lyapunov(a, -b @ b.T)), _root(solve_continuous_lyapunov(a.T, -c.T @ c))
+    controllability, observability = (
+        _root(solve_continuous_lyapunov(a, -b @ b.T)),
+        _root(solve_continuous_lyapunov(a.T, -c.T @ c)),
+    )
     u, values, vt = svd(observability.T @ controllability)
     bound = 2 * (values.sum() - np.cumsum(values))
     keep = order or int(np.argmax(bound <= tolerance * values[0])) + 1
@@ -362,7 +385,9 @@ def reduce_balanced(system: StateSpace, order: int | None = None, tolerance: flo
     root = np.sqrt(values[:keep])
     right = (controllability @ vt[:keep].T / root) * states[:, None]
     left = (observability @ u[:, :keep] / root).T / states
-    reduced = replace(system, a=left @ system.a @ right, b=left @ system.b, c=system.c @ right, initial=left @ system.initial)
+    reduced = replace(
+        system, a=left @ system.a @ right, b=left @ system.b, c=system.c @ right, initial=left @ system.initial
+    )
     return reduced, values, float(bound[keep - 1])
 
 

@@ -143,8 +143,10 @@ static inline int fw_make_sea(fw_model *m)
         fw_wave_force(6.283185307179586 * (m->sea_first + k) * df, now[3], force);
         for (j = 0; j < 6; j++) largest[j] = fmax(largest[j], fmax(fabs(force[2 * j]), fabs(force[2 * j + 1])));
     }
-    for (j = 0; j < 6; j++)
-        if (largest[j] > 0.0) m->sea_column[m->sea_outputs++] = j;
+    for (j = 0; j < 6; j++) { /* what symmetry makes zero but for rounding is left out */
+        int of = j < 3 ? 0 : 3;
+        if (largest[j] > 1e-7 * fmax(largest[of], fmax(largest[of + 1], largest[of + 2]))) m->sea_column[m->sea_outputs++] = j;
+    }
     m->sea_column[m->sea_outputs++] = 6;
     m->sea = calloc(((size_t)m->sea_count + 4) * 16, sizeof *m->sea);
     if (!m->sea) return 0;

@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from conftest import make, oscillator
+from fmu_samples import make, oscillator
 
 DRIVER = Path(__file__).with_name("driver.c")
 SANITIZERS = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
@@ -21,7 +21,19 @@ def _names() -> list[str]:
 
 def _driver(sources: Path, *flags: str) -> Path:
     program = sources / "driver"
-    command = ["gcc", "-std=c99", "-Wall", "-Wextra", *flags, *_names(), "-o", str(program), str(DRIVER), str(sources / "fmi2.c"), "-lm"]
+    command = [
+        "gcc",
+        "-std=c99",
+        "-Wall",
+        "-Wextra",
+        *flags,
+        *_names(),
+        "-o",
+        str(program),
+        str(DRIVER),
+        str(sources / "fmi2.c"),
+        "-lm",
+    ]
     subprocess.run(command, check=True, capture_output=True, cwd=sources)
     return program
 
@@ -29,7 +41,12 @@ def _driver(sources: Path, *flags: str) -> Path:
 def test_bad_use_under_the_sanitizers(spring_library):
     sources, _ = spring_library("2.0", "-O0")
     program = _driver(sources, *SANITIZERS)
-    done = subprocess.run([program], capture_output=True, text=True, env={"ASAN_OPTIONS": "detect_leaks=1", "UBSAN_OPTIONS": "print_stacktrace=1"})
+    done = subprocess.run(
+        [program],
+        capture_output=True,
+        text=True,
+        env={"ASAN_OPTIONS": "detect_leaks=1", "UBSAN_OPTIONS": "print_stacktrace=1"},
+    )
     if "LeakSanitizer has encountered a fatal error" in done.stderr:  # where processes may not be traced
         done = subprocess.run([program], capture_output=True, text=True, env={"ASAN_OPTIONS": "detect_leaks=0"})
     assert done.returncode == 0, done.stdout + done.stderr
@@ -41,7 +58,9 @@ def test_bad_use_under_valgrind(spring_library):
     sources, _ = spring_library("2.0", "-O0")
     program = _driver(sources, "-g", "-O1")
     done = subprocess.run(
-        ["valgrind", "--quiet", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=definite", program], capture_output=True, text=True
+        ["valgrind", "--quiet", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=definite", program],
+        capture_output=True,
+        text=True,
     )
     assert done.returncode == 0, done.stdout + done.stderr
 
@@ -49,7 +68,15 @@ def test_bad_use_under_valgrind(spring_library):
 def test_warnings_are_errors_at_every_optimisation(spring_library):
     for version in ("2.0", "3.0"):
         for level in ("-O0", "-O2", "-O3"):
-            spring_library(version, level, "-Wpedantic", "-Wshadow", "-Wconversion", "-Wno-sign-conversion", "-Wno-float-conversion")
+            spring_library(
+                version,
+                level,
+                "-Wpedantic",
+                "-Wshadow",
+                "-Wconversion",
+                "-Wno-sign-conversion",
+                "-Wno-float-conversion",
+            )
 
 
 @pytest.fixture
@@ -61,7 +88,20 @@ def three(spring_library):
 
     def instance(token=d.token, event_mode=False):
         make_one = library.fmi3InstantiateCoSimulation
-        return make_one(b"one", token.encode(), None, False, False, ctypes.c_bool(event_mode), False, None, ctypes.c_size_t(0), None, None, None)
+        return make_one(
+            b"one",
+            token.encode(),
+            None,
+            False,
+            False,
+            ctypes.c_bool(event_mode),
+            False,
+            None,
+            ctypes.c_size_t(0),
+            None,
+            None,
+            None,
+        )
 
     def call(name, c, *arguments):
         return getattr(library, name)(ctypes.c_void_p(c), *arguments)
@@ -84,7 +124,15 @@ def test_fmi3_refuses_what_it_should(three):
     last = ctypes.c_double()
 
     def advance(t, h):
-        return call("fmi3DoStep", c, ctypes.c_double(t), ctypes.c_double(h), True, *(ctypes.byref(s) for s in step), ctypes.byref(last))
+        return call(
+            "fmi3DoStep",
+            c,
+            ctypes.c_double(t),
+            ctypes.c_double(h),
+            True,
+            *(ctypes.byref(s) for s in step),
+            ctypes.byref(last),
+        )
 
     assert advance(0.0, 0.1) == ERROR  # before initialisation
     start = (ctypes.c_bool(False), ctypes.c_double(0), ctypes.c_double(0), ctypes.c_bool(True), ctypes.c_double(1.0))

@@ -10,7 +10,19 @@ from fowtio.fmu.build import PLATFORMS
 
 
 def test_simulate_writes_series_and_figure(cli, spring, tmp_path):
-    done = cli("simulate", spring["3.0"], "-o", tmp_path / "out", "--duration", 20, "--step", 0.5, "--start", "Initial.Position=1", "--json")
+    done = cli(
+        "simulate",
+        spring["3.0"],
+        "-o",
+        tmp_path / "out",
+        "--duration",
+        20,
+        "--step",
+        0.5,
+        "--start",
+        "Initial.Position=1",
+        "--json",
+    )
     assert done.code == 0, done.err
     document = json.loads(done.out)
     assert document["duration"] == 20.0
@@ -71,7 +83,7 @@ def test_a_missing_cross_compiler_is_said(cli, oc4_folder, tmp_path):
 def test_a_library_for_windows(spring, tmp_path):
     import zipfile
 
-    from conftest import make, oscillator
+    from fmu_samples import make, oscillator
 
     from fowtio.fmu.build import write_fmu
 
@@ -82,7 +94,9 @@ def test_a_library_for_windows(spring, tmp_path):
 
 @pytest.mark.slow
 def test_export_and_check(cli, oc4_folder, tmp_path):
-    done = cli("fmu", oc4_folder / "oc4.fowt", "-o", tmp_path / "oc4.fmu", "--inputs", "wave_force", "--check", "--json")
+    done = cli(
+        "fmu", oc4_folder / "oc4.fowt", "-o", tmp_path / "oc4.fmu", "--inputs", "wave_force", "--check", "--json"
+    )
     assert done.code == 0, done.err
     document = json.loads(done.out)
     assert all(c["passed"] for c in document["checks"])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import MASS, OMEGA, ZETA, absorber, make, oscillator
+from fmu_samples import MASS, OMEGA, ZETA, absorber, make, oscillator
 
 from fowtio.fmu.build import write_fmu
 
@@ -15,7 +15,10 @@ def pairs(tmp_path_factory):
     """Paths of the oscillator and a tuned mass, by FMI version."""
     folder = tmp_path_factory.mktemp("pair")
     spaces = {"Spring": oscillator(), "Absorber": absorber()}
-    return {v: tuple(write_fmu(make(s, n), folder / v / f"{n}.fmu", version=v) for n, s in spaces.items()) for v in ("2.0", "3.0")}
+    return {
+        v: tuple(write_fmu(make(s, n), folder / v / f"{n}.fmu", version=v) for n, s in spaces.items())
+        for v in ("2.0", "3.0")
+    }
 
 
 def _together(t, position):
@@ -52,11 +55,17 @@ def test_a_tuned_mass_in_the_open_simulation_platform(pairs):
     from libcosimpy.CosimSlave import CosimLocalSlave
 
     execution = CosimExecution.from_step_size(step_size=int(STEP * 1e9))
-    spring, mass = (execution.add_local_slave(local_slave=CosimLocalSlave(fmu_path=str(p), instance_name=p.stem)) for p in pair)
+    spring, mass = (
+        execution.add_local_slave(local_slave=CosimLocalSlave(fmu_path=str(p), instance_name=p.stem)) for p in pair
+    )
     of = {k: _references(p) for k, p in zip((spring, mass), pair, strict=True)}
     execution.real_initial_value(slave_index=spring, variable_reference=of[spring]["Initial.Position"], value=1.0)
     execution.real_initial_value(slave_index=mass, variable_reference=of[mass]["Initial.Position"], value=2.0)
-    for there, output, here, entry in ((spring, "Position", mass, "BasePosition"), (spring, "Velocity", mass, "BaseVelocity"), (mass, "BaseForce", spring, "Force")):
+    for there, output, here, entry in (
+        (spring, "Position", mass, "BasePosition"),
+        (spring, "Velocity", mass, "BaseVelocity"),
+        (mass, "BaseForce", spring, "Force"),
+    ):
         execution.connect_real_variables(there, of[there][output], here, of[here][entry])
     observer = CosimObserver.create_last_value()
     assert execution.add_observer(observer=observer)
@@ -87,7 +96,15 @@ def _container(pair, folder):
         return next(v for v in component.modelDescription.modelVariables if v.name == name)
 
     def own(name, causality, variability, initial, start=None):
-        return ModelVariable(name=name, valueReference=0, type="Float64", causality=causality, variability=variability, initial=initial, start=start)
+        return ModelVariable(
+            name=name,
+            valueReference=0,
+            type="Float64",
+            causality=causality,
+            variability=variability,
+            initial=initial,
+            start=start,
+        )
 
     position = own("Position", "output", "continuous", "calculated")
     time = own("time", "independent", "continuous", None)
@@ -98,8 +115,16 @@ def _container(pair, folder):
         initialUnknowns=[Unknown(variable=position)],
     )  # fmt: skip
     md.coSimulation.fixedInternalStepSize = STEP
-    links = [(spring, "Position", mass, "BasePosition"), (spring, "Velocity", mass, "BaseVelocity"), (mass, "BaseForce", spring, "Force")]
-    mappings = {"Position": (spring, "Position"), "SpringStart": (spring, "Initial.Position"), "AbsorberStart": (mass, "Initial.Position")}
+    links = [
+        (spring, "Position", mass, "BasePosition"),
+        (spring, "Velocity", mass, "BaseVelocity"),
+        (mass, "BaseForce", spring, "Force"),
+    ]
+    mappings = {
+        "Position": (spring, "Position"),
+        "SpringStart": (spring, "Initial.Position"),
+        "AbsorberStart": (mass, "Initial.Position"),
+    }
     configuration = Configuration(
         parallelDoStep=False, modelDescription=md, components=[spring, mass],
         connections=[Connection(a, [variable(a, x)], b, [variable(b, y)]) for a, x, b, y in links],

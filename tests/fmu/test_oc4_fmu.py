@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import make
+from fmu_samples import make
 from scipy.optimize import least_squares
 
 from fowtio.fmu.build import export_fmu, linearise, write_fmu
@@ -98,9 +98,13 @@ def test_the_internal_sea_from_another_heading(parked):
     """Waves from abeam: force interpolated from the table at 90 degrees."""
     angle = np.pi / 2
     waves = parked.linearised.waves
-    column = parked.linearised.column + 1 + int(np.argmin(np.abs(waves.heading[parked.linearised.column + 1 :] - angle)))
+    column = (
+        parked.linearised.column + 1 + int(np.argmin(np.abs(waves.heading[parked.linearised.column + 1 :] - angle)))
+    )
     assert waves.heading[column] == pytest.approx(angle)
-    lines, period = _sea_lines(parked.files["3.0"], {"Sea.Hs": 4.0, "Sea.Tp": 11.0, "Sea.Gamma": 2.0, "Sea.Heading": angle})
+    lines, period = _sea_lines(
+        parked.files["3.0"], {"Sea.Hs": 4.0, "Sea.Tp": 11.0, "Sea.Gamma": 2.0, "Sea.Heading": angle}
+    )
     omega = 2 * np.pi * np.arange(len(lines)) / period
     band = (omega > 0.7 * 2 * np.pi / 11) & (omega < 2.0)
     _assert_responses(parked, lines, omega, band, column=column)
@@ -124,7 +128,11 @@ def test_a_force_at_the_tower_top(parked):
         rest, loaded = (runner.run(1, 1e6, {"Tower.TopForceX": [f, f]}, outputs)[1] for f in (0.0, force))
     top, base = 87.6, 10.0  # m: the OC4 tower (NREL/TP-5000-60601, table 2-1)
     generalised = np.zeros(len(system.dofs))
-    generalised[system.dofs.index("surge")], generalised[system.dofs.index("pitch")], generalised[system.dofs.index("tower_fa1")] = force, force * top, force
+    (
+        generalised[system.dofs.index("surge")],
+        generalised[system.dofs.index("pitch")],
+        generalised[system.dofs.index("tower_fa1")],
+    ) = force, force * top, force
     offset = np.linalg.solve(mean.stiffness, generalised)
     change = loaded - rest
     for k, dof in enumerate(PLATFORM_DOFS):
@@ -151,15 +159,39 @@ def test_wind(parked, oc4, tmp_path):
     point = oc4.at(11.0)
     structure = oc4.deck.elastodyn.structure
     space = state_space(
-        point.system, point.mean, point.outputs, parked.linearised.response.drag_damping, parked.linearised.radiation, structure=structure, inputs=("wind",)
+        point.system,
+        point.mean,
+        point.outputs,
+        parked.linearised.response.drag_damping,
+        parked.linearised.radiation,
+        structure=structure,
+        inputs=("wind",),
     )
-    wind = WindState(mean_speed=11.0, hub_height=90.0, rotor_diameter=126.0, spectrum="kaimal", averaging="rotor", turbulence_intensity=0.2)
+    wind = WindState(
+        mean_speed=11.0,
+        hub_height=90.0,
+        rotor_diameter=126.0,
+        spectrum="kaimal",
+        averaging="rotor",
+        turbulence_intensity=0.2,
+    )
     table = turbulence_table(wind, point.rotor, 0.0)
-    path = write_fmu(describe(space, modal_form(space), identifier="Windy", wind_speed=11.0, turbulence=table), tmp_path / "windy.fmu")
+    path = write_fmu(
+        describe(space, modal_form(space), identifier="Windy", wind_speed=11.0, turbulence=table),
+        tmp_path / "windy.fmu",
+    )
     with Runner(path) as runner:
         assert runner.constant("Wind.Speed") == 11.0
-        one = runner.run(1, 1e7, {"Wind.Speed": [12.0, 12.0]}, ["Platform.Pitch", "Wind.HubSpeed", "Wind.RelativeSpeed"])
-        gusty = runner.run(36000, 0.1, {}, ["Wind.HubSpeed", "Platform.Pitch"], {"Wind.TurbulenceIntensity": 0.2, "Wind.MeanOffset": 0.5})
+        one = runner.run(
+            1, 1e7, {"Wind.Speed": [12.0, 12.0]}, ["Platform.Pitch", "Wind.HubSpeed", "Wind.RelativeSpeed"]
+        )
+        gusty = runner.run(
+            36000,
+            0.1,
+            {},
+            ["Wind.HubSpeed", "Platform.Pitch"],
+            {"Wind.TurbulenceIntensity": 0.2, "Wind.MeanOffset": 0.5},
+        )
     static = np.linalg.solve(point.mean.stiffness, point.system.wind_force)
     level = point.mean.offset[point.system.dofs.index("pitch")]
     assert one[1, 0] - level == pytest.approx(static[point.system.dofs.index("pitch")], rel=1e-6)
@@ -223,7 +255,11 @@ def _fit_decay(t, x, omega, zeta):
         return np.exp(-p[0] * p[1] * t) * (p[2] * np.cos(p[1] * t) + p[3] * np.sin(p[1] * t)) + p[4]
 
     scale = np.abs(x - x.mean()).max()
-    found = least_squares(lambda p: (model(p) - x) / scale, [zeta, omega, scale, 0.0, x.mean()], x_scale=[zeta, omega * zeta, scale, scale, scale])
+    found = least_squares(
+        lambda p: (model(p) - x) / scale,
+        [zeta, omega, scale, 0.0, x.mean()],
+        x_scale=[zeta, omega * zeta, scale, scale, scale],
+    )
     return 2 * np.pi / found.x[1], found.x[0] / np.hypot(1, found.x[0])
 
 

@@ -54,7 +54,9 @@ def test_a_rational_function_is_found_again():
     draw = np.random.default_rng(3)
     values = partial_fractions(1j * omega, POLES) @ draw.standard_normal((5, 3))
     found, error = fit(omega, values, np.ones((2, *values.shape)), starting_poles(5, 0.3, 2.0, 1))
-    assert error < 1e-6 * np.abs(values).max()  # vector fitting is exact when the order is right; rounding of the least squares
+    assert (
+        error < 1e-6 * np.abs(values).max()
+    )  # vector fitting is exact when the order is right; rounding of the least squares
     known = np.sort_complex(found.poles)
     assert np.abs(known - np.sort_complex(POLES)).max() < 1e-4
 
@@ -73,14 +75,18 @@ def test_the_real_basis_has_its_realisation(seed):
 def test_radiation_of_a_known_kernel_is_found_again():
     hydro = _made_up_hydro()
     found = fit_radiation(hydro)
-    assert found.largest_error < 2e-3  # the kernel is rational; what is left is the tail beyond the data, which is not (omega^-4 damping)
+    assert (
+        found.largest_error < 2e-3
+    )  # the kernel is rational; what is left is the tail beyond the data, which is not (omega^-4 damping)
     assert set(found.blocks) == {("surge", "pitch"), ("sway", "roll"), ("heave",), ("yaw",)}
     assert np.linalg.eigvals(found.a).real.max() < 0
     low = found(np.array([1e-4]))[0]
     added = low.imag / 1e-4
     # K / (i omega) goes to A(0) - A_inf; heave as an example, to the accuracy of the fit
     assert added[2, 2] == pytest.approx((hydro.added_mass_zero - hydro.added_mass_infinite)[2, 2], rel=0.01)
-    assert np.abs(low.real).max() < 1e-4 * np.abs(retardation_transform(hydro, hydro.omega)).max()  # no damping at rest: K(0) = 0
+    assert (
+        np.abs(low.real).max() < 1e-4 * np.abs(retardation_transform(hydro, hydro.omega)).max()
+    )  # no damping at rest: K(0) = 0
 
 
 def test_radiation_is_passive_where_the_data_are_not():
@@ -177,10 +183,14 @@ def test_reduction_keeps_its_bound(seed, keep):
     columns = (gain / rows[:, None]).max(axis=0)
     omega = np.geomspace(1e-3, 1e3, 400)
     error = (transfer(space, omega) - transfer(reduced, omega)) / rows[:, None] / columns
-    assert np.linalg.svd(error, compute_uv=False).max() <= bound * (1 + 1e-6) + 1e-9 * values[0]  # Glover's bound, rounding
+    assert (
+        np.linalg.svd(error, compute_uv=False).max() <= bound * (1 + 1e-6) + 1e-9 * values[0]
+    )  # Glover's bound, rounding
     assert np.linalg.eigvals(reduced.a).real.max() < 1e-9
 
 
 def test_what_is_not_stable_is_not_reduced():
     with pytest.raises(ValueError, match="moorings"):
-        reduce_balanced(_space(np.array([[0.0, 1.0], [0.0, -1.0]]), np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]])), 1)
+        reduce_balanced(
+            _space(np.array([[0.0, 1.0], [0.0, -1.0]]), np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]])), 1
+        )

@@ -2,14 +2,14 @@
 
 import zipfile
 
+import fmpy
 import numpy as np
 import pytest
-from conftest import MASS, OMEGA, ZETA, make, oscillator
-
-import fmpy
 from fmpy import simulate_fmu
 from fmpy.simulation import instantiate_fmu
 from fmpy.validation import validate_fmu
+from fmu_samples import MASS, OMEGA, ZETA, make, oscillator
+
 from fowtio.fmu.build import write_fmu
 
 DAMPED = OMEGA * np.sqrt(1 - ZETA**2)
@@ -19,7 +19,9 @@ KINDS = ("CoSimulation", "ModelExchange")
 
 def _step_response(t):
     """Position after a unit step of force: x'' + 2 zeta w x' + w^2 x = 1/m."""
-    return (1 - np.exp(-ZETA * OMEGA * t) * (np.cos(DAMPED * t) + ZETA * OMEGA / DAMPED * np.sin(DAMPED * t))) / (MASS * OMEGA**2)
+    return (1 - np.exp(-ZETA * OMEGA * t) * (np.cos(DAMPED * t) + ZETA * OMEGA / DAMPED * np.sin(DAMPED * t))) / (
+        MASS * OMEGA**2
+    )
 
 
 def _ramp_response(t):
@@ -43,7 +45,14 @@ def test_the_standard_has_no_objection(spring, version):
 @pytest.mark.parametrize("kind", KINDS)
 def test_free_decay(spring, version, kind):
     start = {"Initial.Position": 1.5, "Initial.Velocity": -0.3}
-    found = simulate_fmu(str(spring[version]), fmi_type=kind, stop_time=30, output_interval=0.5, start_values=start, relative_tolerance=1e-9)
+    found = simulate_fmu(
+        str(spring[version]),
+        fmi_type=kind,
+        stop_time=30,
+        output_interval=0.5,
+        start_values=start,
+        relative_tolerance=1e-9,
+    )
     # co-simulation is exact to rounding; the integrator of model exchange to its tolerance over thirty seconds
     tolerance = 1e-11 if kind == "CoSimulation" else 1e-5
     assert np.allclose(found["Position"], 2.0 + _decay(found["time"], 1.5, -0.3), atol=tolerance)
@@ -55,17 +64,27 @@ def test_a_held_force_is_exact_at_any_step(spring, version, step):
     steps = max(1, round(100 / step))
     found = _march(spring[version], step, steps, lambda t: 1.0)
     t = np.arange(steps + 1) * step
-    assert np.allclose(found - 2.0, _step_response(t), atol=1e-12 * steps / (MASS * OMEGA**2) + 1e-15)  # rounding of as many steps
+    assert np.allclose(
+        found - 2.0, _step_response(t), atol=1e-12 * steps / (MASS * OMEGA**2) + 1e-15
+    )  # rounding of as many steps
 
 
 def test_input_derivatives_make_a_ramp_exact(spring):
     """FMI 2: with the derivative of the force given, the response to a ramp has no step error."""
     description = fmpy.read_model_description(str(spring["2.0"]))
-    force, position = (next(v.valueReference for v in description.modelVariables if v.name == n) for n in ("Force", "Position"))
+    force, position = (
+        next(v.valueReference for v in description.modelVariables if v.name == n) for n in ("Force", "Position")
+    )
     with _instance(spring["2.0"]) as fmu:
         for k in range(20):
             fmu.setReal([force], [k * 1.0])
-            fmu.fmi2SetRealInputDerivatives(fmu.component, (fmpy.fmi2.fmi2ValueReference * 1)(force), 1, (fmpy.fmi2.fmi2Integer * 1)(1), (fmpy.fmi2.fmi2Real * 1)(1.0))
+            fmu.fmi2SetRealInputDerivatives(
+                fmu.component,
+                (fmpy.fmi2.fmi2ValueReference * 1)(force),
+                1,
+                (fmpy.fmi2.fmi2Integer * 1)(1),
+                (fmpy.fmi2.fmi2Real * 1)(1.0),
+            )
             fmu.doStep(k * 1.0, 1.0)
         assert fmu.getReal([position])[0] - 2.0 == pytest.approx(_ramp_response(20.0), rel=1e-10)
         assert fmu.getReal([force])[0] == pytest.approx(20.0)  # the input stands where its slope has brought it
@@ -194,7 +213,7 @@ def test_fmpy_builds_the_source_code_fmu(spring, tmp_path):
 # --- small helpers
 
 
-class _instance:  # noqa: N801
+class _instance:
     """An instance in step mode, freed at the end."""
 
     def __init__(self, path, **start):

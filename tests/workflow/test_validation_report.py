@@ -95,7 +95,7 @@ def test_periods_of_decays(decays, k, period):
 
 @pytest.mark.parametrize("k", [0, 1, 2])
 def test_damping_of_decays(decays, k):
-    """At half the first amplitude: 2 % (the memory's kernel of 60 s takes 0.17 % of critical from surge at zero amplitude)."""
+    """At half the first amplitude, where linear and quadratic damping need not be told apart: 2 %."""
     assert abs(decays[k].damping_error) < 0.02
     assert decays[k].found.residual < 1e-3
 
@@ -222,8 +222,8 @@ def test_tables_of_the_study_are_read(study):
     case = fowtio.load(path)
     reference = case.references[0]
     assert reference.channels == (("T[#]", "FairTen#", 0.0), ("PtfmSurge", "X", 0.001))
-    assert reference.tolerance_of("TwrBsMyt").std == 0.03
-    assert reference.tolerance_of("PtfmYaw").std == 0.02
+    assert reference.tolerance_of("TwrBsMyt").std == 0.02
+    assert case.references[1].tolerance_of("TwrBsMyt").std == 0.05
     assert case.references[1].tolerance_of("PtfmYaw").std is None
     assert case.references[1].tolerance_of("PtfmPitch").mean == 0.02
     assert [d.channel for d in case.decays] == ["PtfmSurge", "PtfmHeave", "PtfmPitch", "TTDspFA"]
