@@ -121,8 +121,8 @@ def validate(
     """Compare with the reference time series that the study names: RAOs, spectra, means, decay tests; report and workbook."""
     from fowtio import report_data, terminal
     from fowtio.case import load
-    from fowtio.errors import CaseError, Problem
     from fowtio.comparisons import compare_choices, drag_table, tower_table
+    from fowtio.errors import CaseError, Problem
     from fowtio.validation import validate_study, write_validation
     from fowtio.workflow import build
 
