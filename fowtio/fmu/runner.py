@@ -73,6 +73,25 @@ class Runner:
         finally:
             instance.freeInstance()
 
+    def matrices(
+        self, inputs: Sequence[str], outputs: Sequence[str]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return A, B, C, D between named inputs and outputs, as the FMU's directional derivatives give them."""
+        from fmpy.simulation import instantiate_fmu
+
+        states = [v.derivative for v in self.description.modelVariables if v.derivative is not None]
+        rates = [v.valueReference for v in self.description.modelVariables if v.derivative is not None]
+        known = [v.valueReference for v in states] + [self.variables[n].valueReference for n in inputs]
+        unknown = rates + [self.variables[n].valueReference for n in outputs]
+        instance = instantiate_fmu(self.folder, self.description, "CoSimulation")
+        try:
+            instance.enterInitializationMode()
+            columns = [instance.getDirectionalDerivative(unknown, [k], [1.0]) for k in known]
+        finally:
+            instance.freeInstance()
+        whole, n = np.array(columns).T, len(states)
+        return whole[:n, :n], whole[:n, n:], whole[n:, :n], whole[n:, n:]
+
     def _march(self, instance, steps, step, inputs, outputs, start, start_time, ahead) -> np.ndarray:
         two = self.version == "2.0"
         if two:

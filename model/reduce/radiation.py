@@ -20,6 +20,9 @@ from model.reduce.importance import Importance, pooled
 from model.reduce.rational import RationalFit, admissible, fit, partial_fractions, realisation, starting_poles
 from model.system.hydro import HydroCoefficients, infinite_added_mass, radiation_at
 
+ABSENT = (
+    1e-4  # of the largest translation or rotation: a smaller diagonal term is rounding (yaw of a body of revolution)
+)
 SIGNIFICANT = 0.01  # of the geometric mean of the two diagonal peaks
 TARGET = 0.005  # of the peak, and of any response
 PASSIVE = 1e-5  # largest negative eigenvalue of the scaled damping matrix that counts as rounding
@@ -92,7 +95,9 @@ def fit_radiation(
     peak = np.abs(data[inside]).max(axis=0)
     diagonal = np.diag(peak)
     significant = peak > SIGNIFICANT * np.sqrt(np.outer(diagonal, diagonal))
-    significant &= peak > 0
+    largest = np.array([diagonal[:3].max()] * 3 + [diagonal[3:].max()] * 3)
+    dead = diagonal <= ABSENT * largest
+    significant &= (peak > 0) & ~dead & ~dead[:, None]
     parts, names, found, least = [], [], [], [(np.inf, np.inf)]
     for block in _blocks(significant):
         best = _fit_block(grid, data[:, block][:, :, block], urgent[:, block][:, :, block], inside, target, orders)

@@ -41,6 +41,17 @@ def test_responses_of_the_other_states(oc4, tmp_path, state):
     assert all(f.passed for f in check_fmu(exported)), check_fmu(exported)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("study", ["oc3_spar/oc3", "mit_tlp/tlp", "iti_barge/iti", "oc4_deepcwind/oc4_flexible"])
+def test_other_studies(oc4_folder, tmp_path, study):
+    """A spar, a tension-leg platform, a barge, and a flexible rotor: every check is met."""
+    import fowtio
+
+    model = fowtio.build(fowtio.load(oc4_folder.parent / f"{study}.fowt"))
+    findings = check_fmu(export_fmu(model, tmp_path / "other.fmu", inputs=("wave_force", "sea")))
+    assert all(f.passed for f in findings), findings
+
+
 def test_a_rigid_tower(parked, oc4, tmp_path):
     """Six degrees of freedom: the same fits, one state pair less, and the same responses as the model of six."""
     from dataclasses import replace
