@@ -12,10 +12,10 @@ import numpy as np
 
 from fowtio.errors import ModelError
 from fowtio.fmu.build import FLAGS, Exported, Linearised, compile_library, find_compiler
-from fowtio.fmu.runner import Runner
+from fowtio.fmu.runner import Runner, need_fmpy
 from model.conventions import PLATFORM_DOFS
 from model.reduce.importance import DEAD, FAINT
-from model.response.solve import _dynamic_stiffness, prepare
+from model.response.solve import dynamic_stiffness, prepare
 
 LARGEST = 500_000  # bytes
 MAGNITUDE, PHASE = 0.02, np.radians(2.0)
@@ -91,6 +91,7 @@ def check_fmu(exported: Exported, *, progress: Callable[[str], None] = lambda te
 
 def check_file(path: str | Path) -> list[Finding]:
     """Return what FMPy's validation, a compiler with warnings as errors, and the size say of one FMU."""
+    need_fmpy()
     from fmpy.validation import validate_fmu
 
     path = Path(path)
@@ -198,7 +199,7 @@ def _reference(found: Linearised, omega, force) -> np.ndarray:
     system, outputs = found.point.system, found.point.outputs
     grid = prepare(system, omega, found.response.excitation.heading[[found.column]])
     here, rows = system.platform, [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
-    stiffness = _dynamic_stiffness(system, found.point.mean, grid, here, rows)
+    stiffness = dynamic_stiffness(system, found.point.mean, grid, here, rows)
     stiffness[:, np.asarray(here)[:, None], here] += (
         1j * omega[:, None, None] * found.response.drag_damping[np.ix_(rows, rows)]
     )

@@ -9,17 +9,25 @@ from pathlib import Path
 
 import numpy as np
 
-from fowtio.errors import FormatError
+from fowtio.errors import FormatError, ModelError
 
 INTERPOLATION = "Settings.InputInterpolation"
+
+
+def need_fmpy():
+    """Return the package fmpy; raise ModelError saying how to install it."""
+    try:
+        import fmpy
+    except ModuleNotFoundError:
+        raise ModelError("simulating and checking an FMU needs FMPy: pip install 'fowtio[fmu]'") from None
+    return fmpy
 
 
 class Runner:
     """An unpacked FMU, to be used with `with`; `run` makes a new instance every time."""
 
     def __init__(self, path: str | Path):
-        import fmpy
-
+        fmpy = need_fmpy()
         self.path = Path(path)
         try:
             self.description = fmpy.read_model_description(str(path))

@@ -12,7 +12,7 @@ from model.conventions import PLATFORM_DOFS
 from model.response.assemble import Equilibrium, System
 from model.response.drag_iteration import DragProblem, coefficients, damping_and_force, drag_problem
 from model.response.loads import LinearOutputs
-from model.response.solve import Grid, _dynamic_stiffness, iterate, trapezoid_weights
+from model.response.solve import Grid, dynamic_stiffness, iterate, trapezoid_weights
 
 _CHUNK = 2048
 _COARSE = 2
@@ -117,7 +117,7 @@ def _solve_part(system, mean, grid: Grid, waves, wind, gradient, calm: bool, dra
             omega=omega, heading=grid.heading, added_mass=grid.added_mass[places], radiation_damping=grid.radiation_damping[places],
             wave_force=grid.wave_force[:, places], directions=grid.directions, water=grid.water[:, :, places],
         )  # fmt: skip
-        dynamic = _dynamic_stiffness(system, mean, part, here, rows)
+        dynamic = dynamic_stiffness(system, mean, part, here, rows)
         force = _forces(system, part, here, rows, calm, bool(np.any(gradient)))
         winds = np.stack([wind, gradient, gradient], axis=1)[:, :, places] * step
         problem = drag_problem(

@@ -14,7 +14,7 @@ import numpy as np
 from model.conventions import PLATFORM_DOFS
 from model.response.assemble import Equilibrium, System
 from model.response.loads import LinearOutputs
-from model.response.solve import Excitation, _dynamic_stiffness, prepare, solve
+from model.response.solve import Excitation, dynamic_stiffness, prepare, solve
 from model.system.drag import element_motion
 
 
@@ -64,7 +64,7 @@ def record_model(
     rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
     here = system.platform
     damping = np.asarray(drag_damping)[np.ix_(rows, rows)]
-    stiffness = _dynamic_stiffness(system, mean, grid, here, rows)
+    stiffness = dynamic_stiffness(system, mean, grid, here, rows)
     stiffness[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * damping
     force = np.zeros((len(omega), len(system.dofs)), dtype=complex)
     force[:, here] = grid.wave_force[0][:, rows]

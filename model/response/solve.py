@@ -156,7 +156,7 @@ def solve(
     grid = grid or prepare(system, omega, drive.heading)
     here = system.platform
     rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
-    dynamic = _dynamic_stiffness(system, mean, grid, here, rows)
+    dynamic = dynamic_stiffness(system, mean, grid, here, rows)
     m, n, q = len(drive.heading), len(omega), len(system.dofs)
     winds = 3 if np.any(drive.gradient_spectrum) else 1
     force = np.zeros((n, q, m + winds), dtype=complex)
@@ -225,7 +225,7 @@ def solve_with_drag(problem: DragProblem, dynamic, damping, force, wave_force, h
     return np.linalg.solve(z, f)
 
 
-def _dynamic_stiffness(system: System, mean: Equilibrium, grid: Grid, here, rows) -> np.ndarray:
+def dynamic_stiffness(system: System, mean: Equilibrium, grid: Grid, here, rows) -> np.ndarray:
     """Return -omega^2 (M + A) + i omega (B0 + B) + C (n, q, q), without drag."""
     w = grid.omega[:, None, None]
     out = (mean.stiffness - w**2 * system.mass) + 1j * (w * system.damping)

@@ -252,7 +252,7 @@ def test_a_reduced_model(parked, tmp_path):
     assert bound > 0
 
 
-# --- small helpers
+# --- what the tests above share
 
 
 def _initial(dof: str) -> str:

@@ -210,7 +210,7 @@ def test_fmpy_builds_the_source_code_fmu(spring, tmp_path):
     assert (tmp_path / "build" / "Spring.so").is_file()
 
 
-# --- small helpers
+# --- what the tests above share
 
 
 class _instance:
