@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from fowtio.read.openfast_input import InputFile
@@ -125,11 +125,6 @@ def channel_names(source: InputFile, problems) -> tuple[tuple[str, str, float], 
             problems.add(f"channel {channel!r} and {name!r}: # must stand in both or in none", line)
         out.append((channel, name, float(value)))
     return tuple(out)
-
-
-def with_names(reference: Reference, channels) -> Reference:
-    """Return a reference whose files call channels otherwise: (channel, name in the files, factor)."""
-    return replace(reference, channels=tuple(channels))
 
 
 def _tolerances(source: InputFile, problems) -> list[tuple[str, Tolerance]]:

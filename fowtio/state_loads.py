@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -260,8 +260,3 @@ def _wind(model: Model, speed: float, actual: float, turbulence: str | float, ki
 
 def _parts(states: np.ndarray) -> list[np.ndarray]:
     return np.array_split(states, max(1, -(-len(states) // _PART)))
-
-
-def with_table(loads: TableLoads, table: StateTable) -> TableLoads:
-    """Return the same loads with another table of the same states (other probabilities, say)."""
-    return replace(loads, table=table)

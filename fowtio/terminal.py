@@ -117,13 +117,6 @@ def show_modes(model) -> None:
     show_notes(model)
 
 
-def validation_table(found: Validation) -> Table:
-    """Return one comparison as a table for people."""
-    from fowtio.write.validation_tables import channels
-
-    return channels(found)[0]
-
-
 def show_validation(found: Sequence[Validation], files: Sequence[Path], decays: Sequence = ()) -> None:
     """Print the comparisons with the reference time series, decay tests, and what is doubtful about the references."""
     from fowtio.write import validation_tables

@@ -15,7 +15,7 @@ import numpy as np
 from fowtio.errors import FormatError
 from fowtio.read.openfast_lin import state_dof
 from fowtio.read.registry import Format
-from fowtio.read.text import number, numbers, read_lines
+from fowtio.read.text import is_number, number, numbers, read_lines
 from model.system.linearisation import Linearisation
 
 _COUNTS = {
@@ -67,19 +67,11 @@ def _labelled(path: Path, lines: list[str], label: str) -> str:
     """Return the first number behind a label, as text."""
     for i, line in enumerate(lines, start=1):
         if line.strip().startswith(label):
-            found = next((t for t in line.strip()[len(label) :].split() if _is_number(t)), None)
+            found = next((t for t in line.strip()[len(label) :].split() if is_number(t)), None)
             if found is None:
                 raise FormatError(path, i, expected=f"a number after '{label} ...'", found=line)
             return found
     raise FormatError(path, expected=f"a line '{label} ...' of a FAST v7 linearisation file", found="none")
-
-
-def _is_number(text: str) -> bool:
-    try:
-        number(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _count(path: Path, lines: list[str], label: str) -> int:

@@ -17,7 +17,7 @@ import numpy as np
 from fowtio.errors import FormatError
 from fowtio.read.openfast_input import tokens
 from fowtio.read.registry import Format, head_lines
-from fowtio.read.text import number, read_lines
+from fowtio.read.text import is_number, number, read_lines
 from model.system.mooring import MooringSystem
 
 _SECTIONS = {
@@ -242,7 +242,7 @@ def _ids(file: MoorDynFile, section: str) -> list[str]:
 
 def _line_type(file: MoorDynFile, i: int, row: list[str]) -> tuple[float, float, float]:
     """Return diameter, mass per length and axial stiffness of a line type."""
-    if "|" in row[3] or not _is_number(row[3]):
+    if "|" in row[3] or not is_number(row[3]):
         raise FormatError(
             file.path, i, expected="one number for EA", found=row[3],
             hint="Viscoelastic (with bars) and tabulated stiffness are not modelled; give the static stiffness",
@@ -368,14 +368,6 @@ def _number(path: Path, line: int, text: str) -> float:
         return number(text)
     except ValueError:
         raise FormatError(path, line, expected="a number", found=text) from None
-
-
-def _is_number(text: str) -> bool:
-    try:
-        number(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _recognises(path, head: bytes) -> bool:

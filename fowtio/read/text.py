@@ -67,6 +67,15 @@ def number(token: str) -> float:
     return value
 
 
+def is_number(token: str) -> bool:
+    """Return whether `number` reads this token."""
+    try:
+        number(token)
+    except ValueError:
+        return False
+    return True
+
+
 def numbers(line: str) -> list[float]:
     """Return the numbers of a line, apart by blanks, commas or only by their signs; raise ValueError if there are others."""
     tokens = line.replace(",", " ").split()
