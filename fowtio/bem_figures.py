@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fowtio.hull_mesh import area_vectors
+from fowtio.bem_run import hull_meshes
+from fowtio.hull_mesh import area_vectors, whole
 
 WATER, STEEL, LINE, INK = "#9cc3d5", "#c9b458", "#444444", "#222222"
 
@@ -142,6 +143,43 @@ def draw_check(found: list[dict], folder: Path) -> Path:
         axes.set_xlabel("frequency (rad/s)", fontsize=8)
     figure.suptitle("Hulls that the database has not seen, deep water, heading 0 (SI units)", fontsize=10)
     return _saved(figure, folder / "database_check.png")
+
+
+def draw_comparison(own, reference, path: str | Path, *, labels=("fowtio", "WAMIT"), title: str = "") -> Path:
+    """Draw added mass and damping of two solutions of the same hull; return the path."""
+    plt = _plt()
+    figure, grid = plt.subplots(2, 3, figsize=(11, 5.6), sharex=True, constrained_layout=True)
+    for column, k in zip(grid.T, (0, 2, 4), strict=True):
+        for axes, name, letter in zip(column, ("added_mass", "radiation_damping"), "AB", strict=True):
+            keep = reference.omega <= own.omega[-1]
+            axes.plot(reference.omega[keep], getattr(reference, name)[keep, k, k], color=INK, lw=1.0, label=labels[1])
+            axes.plot(own.omega, getattr(own, name)[:, k, k], ".", color="C3", ms=4, label=labels[0])
+            axes.set_title(f"{letter}{k + 1}{k + 1}", fontsize=9)
+            axes.tick_params(labelsize=7)
+            axes.grid(alpha=0.25)
+    grid[0, 0].legend(fontsize=8)
+    for axes in grid[1]:
+        axes.set_xlabel("frequency (rad/s)", fontsize=8)
+    figure.suptitle(title, fontsize=10)
+    return _saved(figure, path)
+
+
+def draw_mesh(hull, path: str | Path) -> Path:
+    """Draw the fine mesh of a hull file; return the path."""
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    plt = _plt()
+    panels = whole(hull_meshes(hull)[-1])
+    figure = plt.figure(figsize=(6, 5))
+    axes = figure.add_subplot(projection="3d", proj_type="ortho")
+    axes.add_collection3d(Poly3DCollection(panels, facecolors="#d8c46a", edgecolors="#6b6130", linewidths=0.2))
+    low, high = panels.reshape(-1, 3).min(axis=0), panels.reshape(-1, 3).max(axis=0)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_title(hull.title, fontsize=9)
+    axes.tick_params(labelsize=7)
+    axes.locator_params(axis="z", nbins=4)
+    axes.set_box_aspect(high - low)
+    return _saved(figure, path)
 
 
 def _saved(figure, path: str | Path) -> Path:
