@@ -13,16 +13,14 @@ from fowtio.hull_deck import DeckPlan, Line, Member, write_deck
 from fowtio.hull_turbine import carried, ten_megawatt
 from model.conventions import PLATFORM_DOFS, TOWER_FORE_AFT
 from model.design.hull import (
-    DRAG,
     FloatingHull,
     SemiHull,
-    drag_members,
     float_hull,
     hydrostatic_stiffness,
     platform_body,
     three_line_mooring,
-    wet_braces,
 )
+from model.design.hull_drag import DRAG, drag_members, wetted_members
 from model.response.assemble import System, assemble
 from model.system.contributions import hydrostatic_contribution, platform_contribution, turbine_contribution
 from model.system.hydro import HydroCoefficients
@@ -155,36 +153,13 @@ def design_deck(design: SemiDesign, folder: str | Path, *, title: str, hydro: Hy
 
 
 def hull_members(hull: SemiHull, drag: dict = DRAG) -> list[Member]:
-    """Return the strip members of a hull for a deck: columns, heave plates with their axial drag, pontoons and braces below water."""
-    from model.design.hull import AZIMUTHS
-
-    keel, shelf = -float(hull.draft), -float(hull.draft) + float(hull.plate_height)
-    z = np.array([0.0, 0.0, 1.0])
-    out = [
-        Member(
-            name="central column",
-            start=keel * z,
-            end=2.0 * z,
-            diameter=float(hull.central_diameter),
-            drag=drag["central"],
-        )
-    ]
-    for k, a in enumerate(AZIMUTHS, start=1):
-        p = float(hull.radius) * np.array([np.cos(a), np.sin(a), 0.0])
-        out += [
-            Member(name=f"column {k}", start=p + shelf * z, end=p + 2.0 * z, diameter=float(hull.diameter), drag=drag["column"]),
-            Member(name=f"heave plate {k}", start=p + keel * z, end=p + shelf * z, diameter=float(hull.plate_diameter), drag=drag["plate"], axial_drag=drag["plate_axial"]),
-        ]  # fmt: skip
-    for name, start, end in wet_braces(hull):
-        for k, a in enumerate((0.0, 2 * np.pi / 3, 4 * np.pi / 3), start=1):
-            turn = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1.0]])
-            out.append(
-                Member(
-                    name=f"{name} {k}",
-                    start=turn @ start,
-                    end=turn @ end,
-                    diameter=float(hull.brace_diameter),
-                    drag=drag["brace"],
-                )
+    """Return the strip members of a hull for a deck; those that end at still water but for braces go on 2 m above it."""
+    out = []
+    for m in wetted_members(hull, drag):
+        above = 2.0 if m.end[2] == 0 and m.start[0] == m.end[0] else 0.0
+        out.append(
+            Member(
+                name=m.name, start=m.start, end=m.end + [0.0, 0.0, above], diameter=float(m.diameter), drag=m.drag, axial_drag=m.axial_drag
             )
+        )
     return out

@@ -11,7 +11,6 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from model.system.drag import DragMembers
 from model.system.mooring import MooringSystem
 from model.system.turbine import RigidBody
 
@@ -366,52 +365,6 @@ def platform_body(floating: FloatingHull) -> RigidBody:
         centre=np.array([0.0, 0.0, float(floating.centre_of_mass)]),
         inertia=np.diag(floating.inertia),
     )
-
-
-DRAG = {"column": 0.61, "plate": 0.68, "central": 0.56, "brace": 0.63, "plate_axial": 9.6}
-
-
-def drag_members(
-    hull: SemiHull, *, density: float = 1025.0, strip: float = 3.0, coefficients: dict = DRAG
-) -> DragMembers:
-    """Return one design's drag elements below still water: strips of about `strip` [m], and the bottoms of the heave plates.
-
-    coefficients: transverse Cd of columns, plates (their sides), central column and braces; plate_axial is HydroDyn's AxCd of
-    the bottom, K = 1/4 rho AxCd A. Values of OC4 (Robertson et al. 2014), constant with size.
-    """
-    if hull.shape != ():
-        raise ValueError(f"one design is needed, these are {hull.shape}")
-    keel, shelf = -float(hull.draft), -float(hull.draft) + float(hull.plate_height)
-    places = [float(hull.radius) * np.array([np.cos(a), np.sin(a), 0.0]) for a in AZIMUTHS]
-    z = np.array([0.0, 0.0, 1.0])
-    members = [(keel * z, 0 * z, hull.central_diameter, coefficients["central"])]
-    for p in places:
-        members += [
-            (p + shelf * z, p, hull.diameter, coefficients["column"]),
-            (p + keel * z, p + shelf * z, hull.plate_diameter, coefficients["plate"]),
-        ]
-    for _, start, end in wet_braces(hull):
-        for a in (0.0, 2 * np.pi / 3, 4 * np.pi / 3):
-            turn = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1.0]])
-            members.append((turn @ start, turn @ end, hull.brace_diameter, coefficients["brace"]))
-    rows = [row for member in members for row in _strips(*member, strip, density)]
-    plate = float(hull.plate_diameter)
-    for p in places:
-        rows.append((p + keel * z, z, density * coefficients["plate_axial"] * np.pi * plate**2 / 16, 1.0, plate, 0.0))
-    position, axis, factor, axial, diameter, length = zip(*rows, strict=True)
-    return DragMembers(
-        position=np.array(position), axis=np.array(axis), factor=np.array(factor), axial=np.array(axial),
-        diameter=np.array(diameter), length=np.array(length),
-    )  # fmt: skip
-
-
-def _strips(start, end, diameter, coefficient, strip, density):
-    """Return the strips of one member."""
-    length = np.linalg.norm(end - start)
-    count = max(1, int(np.ceil(length / strip)))
-    axis, piece = (end - start) / length, length / count
-    factor = density * coefficient * float(diameter) * piece / 2
-    return [(start + (k + 0.5) * piece * axis, axis, factor, 0.0, float(diameter), piece) for k in range(count)]
 
 
 def fairleads(hull: SemiHull) -> np.ndarray:

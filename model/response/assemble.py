@@ -10,10 +10,11 @@ from scipy.linalg import eigh
 from scipy.optimize import linear_sum_assignment
 
 from model.conventions import PLATFORM_DOFS, freeze
+from model.response.mean_offset import mean_offsets
 from model.system.contributions import Contribution, added_mass_contribution, contribution, widen
 from model.system.drag import DragMembers
 from model.system.hydro import HydroCoefficients, infinite_added_mass, radiation_at
-from model.system.mooring import MooringState, MooringSystem, mooring_state
+from model.system.mooring import MooringState, MooringSystem
 from model.system.tower import TOWER_MODES
 from model.system.turbine import TurbineMatrices
 
@@ -126,7 +127,7 @@ def to_platform(system: System, offset) -> np.ndarray:
     return out
 
 
-def equilibrium(system: System, *, tolerance: float = 1e-7, limit: int = 50) -> Equilibrium:
+def equilibrium(system: System, *, tolerance: float = 1e-10, limit: int = 50) -> Equilibrium:
     """Return the mean offset: Newton on constant forces, linear stiffness and the moorings' force.
 
     Constant parts are linear about their own points, the moorings exact. A step is at most 10 m and 0.2 rad.
@@ -139,25 +140,18 @@ def equilibrium(system: System, *, tolerance: float = 1e-7, limit: int = 50) -> 
         _check_held(system, constant, held)
         offset[held] = np.linalg.solve(stiffness[np.ix_(held, held)], constant[held])
         return Equilibrium(offset=offset, mooring=None, stiffness=stiffness, iterations=1)
-    limits = np.array([0.2 if d in PLATFORM_DOFS[3:] else 10.0 for d in system.dofs])
-    rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
-    here = system.platform
-    for step in range(1, limit + 1):
-        state = mooring_state(system.mooring, to_platform(system, offset))
-        residual = constant - stiffness @ offset
-        residual[here] += state.force[rows]
-        total = stiffness.copy()
-        total[np.ix_(here, here)] += state.stiffness[np.ix_(rows, rows)]
-        try:
-            change = np.linalg.solve(total, residual)
-        except np.linalg.LinAlgError:
-            break
-        if np.all(np.abs(change) < tolerance * limits):
-            return Equilibrium(offset=offset, mooring=state, stiffness=total, iterations=step)
-        offset = offset + change / max(1.0, np.max(np.abs(change) / limits))
-    raise ValueError(
-        f"no mean offset after {step} steps (last {np.round(offset, 3)}); can the moorings hold the mean force "
-        f"{np.round(constant[:3] / 1e3, 1)} kN, and does the buoyancy carry the weight?"
+    try:
+        found = mean_offsets(system.dofs, constant, stiffness, system.mooring, tolerance=tolerance, limit=limit)
+    except np.linalg.LinAlgError:
+        found = None
+    if found is None or not found.converged:
+        last = "singular" if found is None else np.round(found.offset, 3)
+        raise ValueError(
+            f"no mean offset within {limit} steps (last {last}); can the moorings hold the mean force "
+            f"{np.round(constant[:3] / 1e3, 1)} kN, and does the buoyancy carry the weight?"
+        )
+    return Equilibrium(
+        offset=found.offset, mooring=found.mooring, stiffness=found.stiffness, iterations=found.iterations
     )
 
 

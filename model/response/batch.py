@@ -167,11 +167,11 @@ def eliminate(problem: DragProblem, dynamic, damping, force, wave_force, here) -
                 work[i, j] += some[:, row, column, None] * rate
             if wave_force is not None:
                 work[i, q : q + wave_force.shape[1]] += wave_force[part, :, row].transpose(1, 0, 2)
-        out[part] = _eliminated(work, q)
+        out[part] = eliminated(work, q)
     return out
 
 
-def _eliminated(work: np.ndarray, q: int) -> np.ndarray:
+def eliminated(work: np.ndarray, q: int) -> np.ndarray:
     """Return the solutions (s, n, q, r) of equations (q, q + r, s, n), the right sides behind the matrices."""
     original = work.copy()
     with np.errstate(all="ignore"):

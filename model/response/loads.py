@@ -8,10 +8,10 @@ import numpy as np
 
 from model.conventions import PLATFORM_DOFS, freeze
 from model.environment.sea import wavenumber
-from model.response.assemble import Equilibrium, System, to_platform
+from model.response.assemble import Equilibrium, System
 from model.response.solve import Response
 from model.system.tower import TOWER_MODES, tower_modes
-from model.system.turbine import TurbineStructure, head_motion
+from model.system.turbine import TurbineMatrices, TurbineStructure, head_motion
 
 MOTION_CHANNELS = {
     "surge": ("PtfmSurge", "m"), "sway": ("PtfmSway", "m"), "heave": ("PtfmHeave", "m"), "roll": ("PtfmRoll", "rad"),
@@ -159,38 +159,54 @@ def _nacelle(system: System, structure: TurbineStructure) -> tuple[list, ...]:
     )  # fmt: skip
 
 
-def _tower_base(system: System, mean: Equilibrium, structure: TurbineStructure) -> tuple[list, ...]:
-    """Shear and moment on the tower base: inertia, gravity, damping and aerodynamic load of all that stands above it.
-
-    The turbine's own equations give the force that it exerts on the platform in fixed directions about the reference
-    point; the section's axes turn with the platform, so the weight appears in the shear, and the moment is brought up
-    to the base.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TowerBaseRows:
+    """TwrBsFxt, TwrBsFyt, TwrBsMyt, TwrBsMxt as linear outputs: position (..., 4, q), velocity and acceleration (4, q), wind (4, 3),
+    mean (..., 4), leading axes as the offsets'.
     """
-    turbine, q = system.turbine, len(system.dofs)
-    take = [turbine.dofs.index(d) for d in system.dofs if d in turbine.dofs]
-    to = [k for k, d in enumerate(system.dofs) if d in turbine.dofs]
-    at = np.array([mean.offset[system.dofs.index(d)] if d in system.dofs else turbine.point[k] for k, d in enumerate(turbine.dofs)])
-    load = turbine.force - turbine.stiffness @ (at - turbine.point)
-    matrices = []
-    for matrix in (turbine.stiffness, turbine.damping, turbine.mass):
-        rows = np.zeros((6, q))
-        rows[:, to] = -matrix[:6][:, take]
-        matrices.append(rows)
-    wind = np.vstack([turbine.wind_force, turbine.gradient_force])[:, :6].T
-    weight, base = -load[2], structure.tower.base_height
-    angles = to_platform(system, mean.offset)[3:]
-    turn = np.zeros((2, q))  # shear along the section's own axes: + weight times rotation
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    wind: np.ndarray
+    mean: np.ndarray
+
+
+def tower_base_rows(turbine: TurbineMatrices, dofs, offset, base_height: float) -> TowerBaseRows:
+    """Return shear and moment on the tower base: inertia, gravity, damping and aerodynamic load of all that stands above it.
+
+    offset (..., q) of the degrees of freedom `dofs` (q); base_height [m]. The turbine's own equations give the force that it
+    exerts on the platform in fixed directions about the reference point; the section's axes turn with the platform, so the weight
+    appears in the shear, and the moment is brought up to the base.
+    """
+    offset, q = np.asarray(offset, dtype=float), len(dofs)
+    at = np.stack([offset[..., dofs.index(d)] if d in dofs else np.full(offset.shape[:-1], turbine.point[k]) for k, d in enumerate(turbine.dofs)], axis=-1)
+    load = turbine.force - (at - turbine.point) @ turbine.stiffness.T
+    weight = -load[..., 2]
+    up = np.zeros((4, 6))  # from force and moment about the reference point to the base
+    up[0, 0] = up[1, 1] = up[2, 4] = up[3, 3] = 1.0
+    up[2, 0], up[3, 1] = -base_height, base_height
+    take = [turbine.dofs.index(d) for d in dofs if d in turbine.dofs]
+    to = [k for k, d in enumerate(dofs) if d in turbine.dofs]
+    matrices = np.zeros((3, 4, q))
+    matrices[:, :, to] = -up @ np.stack([m[:6][:, take] for m in (turbine.stiffness, turbine.damping, turbine.mass)])
+    turn, angles = np.zeros((4, q)), np.zeros(offset.shape[:-1] + (2,))  # the weight along the section's own axes
     for k, (axis, sign) in enumerate((("pitch", 1.0), ("roll", -1.0))):
-        if axis in system.dofs:
-            turn[k, system.dofs.index(axis)] = sign * weight
-    shear = [[m[0], m[1]] for m in matrices]
-    shear[0] = [shear[0][0] + turn[0], shear[0][1] + turn[1]]
-    moment = [[m[4] - base * s[0], m[3] + base * s[1]] for m, s in zip(matrices, shear, strict=True)]
-    level_x, level_y = load[0] + weight * angles[1], load[1] - weight * angles[0]
-    gust = [list(w) for w in (wind[0], wind[1], wind[4] - base * wind[0], wind[3] + base * wind[1])]
-    level = [level_x, level_y, load[4] - base * level_x, load[3] + base * level_y]
-    rows = [[list(r) for r in (*shear[k], *moment[k])] for k in range(3)]
-    return ["TwrBsFxt", "TwrBsFyt", "TwrBsMyt", "TwrBsMxt"], ["N", "N", "N m", "N m"], *rows, gust, level
+        if axis in dofs:
+            turn[:, dofs.index(axis)] = sign * up[:, k]
+            angles[..., k] = sign * offset[..., dofs.index(axis)]
+    wind = up @ np.vstack([turbine.wind_force, turbine.gradient_force])[:, :6].T
+    return TowerBaseRows(
+        position=matrices[0] + weight[..., None, None] * turn, velocity=matrices[1], acceleration=matrices[2], wind=wind,
+        mean=load[..., :6] @ up.T + weight[..., None] * (angles @ up[:, :2].T),
+    )  # fmt: skip
+
+
+def _tower_base(system: System, mean: Equilibrium, structure: TurbineStructure) -> tuple[list, ...]:
+    """Shear and moment on the tower base."""
+    rows = tower_base_rows(system.turbine, system.dofs, mean.offset, structure.tower.base_height)
+    lists = (list(x) for x in (rows.position, rows.velocity, rows.acceleration, rows.wind, rows.mean))
+    return ["TwrBsFxt", "TwrBsFyt", "TwrBsMyt", "TwrBsMxt"], ["N", "N", "N m", "N m"], *lists
 
 
 def _tensions(system: System, mean: Equilibrium) -> tuple[list, ...]:

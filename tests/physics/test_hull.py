@@ -14,7 +14,6 @@ from model.design.hull import (
     brace_lines,
     cylinder,
     displaced,
-    drag_members,
     fairleads,
     float_hull,
     hydrostatic_stiffness,
@@ -26,6 +25,7 @@ from model.design.hull import (
     waterplane,
     wet_braces,
 )
+from model.design.hull_drag import drag_members
 
 RNA_AND_TOWER = 599_718.0  # kg, NREL 5 MW on its tower (NREL/TP-500-47535)
 OC4_PULL = 1.84e6  # N, the lines' vertical pull at rest (NREL/TP-5000-60601, MAP)
