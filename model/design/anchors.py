@@ -60,14 +60,19 @@ def drag_anchor(
     ------
     ValueError : uplift, which this kind of anchor cannot hold; an unknown soil; a load that is not positive.
     """
-    a, b = _soil(soil, DRAG_SOILS, "drag anchors")
     load = _load(horizontal, vertical, safety)
     if vertical > UPLIFT_TOLERANCE * horizontal:
         raise ValueError(
             f"the line pulls a drag anchor up with {vertical / 1e3:.1f} kN (horizontal {horizontal / 1e3:.1f} kN): "
             "it holds no uplift; lengthen the line until some of it rests on the seabed, or take a suction pile"
         )
-    return Anchor(kind="drag", soil=soil, capacity=load, mass=1e3 * (load / 1e3 / a) ** (1 / b))
+    return Anchor(kind="drag", soil=soil, capacity=load, mass=float(drag_anchor_mass(load, soil)))
+
+
+def drag_anchor_mass(capacity, soil: str = "mk5_very_soft_clay") -> np.ndarray:
+    """Return the mass (...) [kg] of drag anchors of an ultimate holding capacity (...) [N] (thesis eq. 8.1, inverted)."""
+    a, b = _soil(soil, DRAG_SOILS, "drag anchors")
+    return 1e3 * (np.asarray(capacity) / 1e3 / a) ** (1 / b)
 
 
 def drag_capacity(mass: float, soil: str = "mk5_very_soft_clay") -> float:
@@ -92,20 +97,26 @@ def suction_pile(
     ------
     ValueError : an unknown soil; a load that is not positive.
     """
-    curves = _soil(soil, PILE_SOILS, "suction piles")
     load = _load(horizontal, vertical, safety)
-    length, diameter, wall = (c * (load / 1e3) ** d for c, d in curves)
-    wall *= 1e-3
-    volume = np.pi * (diameter - wall) * wall * length + (np.pi / 4 * diameter**2 * wall if lid else 0.0)
+    length, diameter, wall, mass = (float(x) for x in suction_pile_size(load, soil))
+    mass += STEEL_DENSITY * np.pi / 4 * diameter**2 * wall if lid else 0.0
     return Anchor(
         kind="suction pile",
         soil=soil,
         capacity=load,
-        mass=float(STEEL_DENSITY * volume),
+        mass=mass,
         length=length,
         diameter=diameter,
         wall=wall,
     )
+
+
+def suction_pile_size(capacity, soil: str = "medium_clay") -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return length, diameter, wall (...) [m] and mass of the shell (...) [kg] of suction piles of a capacity (...) [N]."""
+    curves = _soil(soil, PILE_SOILS, "suction piles")
+    length, diameter, wall = (c * (np.asarray(capacity) / 1e3) ** d for c, d in curves)
+    wall = wall * 1e-3
+    return length, diameter, wall, STEEL_DENSITY * np.pi * (diameter - wall) * wall * length
 
 
 def pile_capacity(length: float, soil: str = "medium_clay") -> float:

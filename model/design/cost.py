@@ -37,14 +37,14 @@ class Prices:
 
 @dataclass(frozen=True, kw_only=True)
 class Plating:
-    """Surfaces of one thickness: name, area [m2], thickness [m]."""
+    """Surfaces of one thickness: name, area [m2] of one design or (...) of several, thickness [m]."""
 
     name: str
-    area: float
+    area: float | np.ndarray
     thickness: float
 
     @property
-    def mass(self) -> float:
+    def mass(self) -> float | np.ndarray:
         """Mass of the steel [kg]."""
         return STEEL_DENSITY * self.area * self.thickness
 
@@ -69,7 +69,7 @@ class PlateLayout:
 class Semisubmersible:
     """A hull of side columns on heave plates round a main column, joined by braces, as OC4 DeepCwind.
 
-    Lengths in metres. Main column: diameter and freeboard. Side columns: number, diameter, freeboard; radius of
+    Lengths in metres, numbers or arrays (...) of designs. Main column: diameter and freeboard. Side columns: number, diameter, freeboard; radius of
     their circle. Heave plates (base columns): height, diameter (None: twice the column's). Braces: diameter. Walls: of
     side columns and heave plates, of the main column, of braces.
     """
@@ -90,16 +90,16 @@ class Semisubmersible:
 
     def __post_init__(self):
         for name, value in vars(self).items():
-            if value is not None and not value > 0:
+            if value is not None and not np.all(np.asarray(value) > 0):
                 raise ValueError(f"{name} is {value}; it must be positive")
-        if self.plate_height >= self.draft:
-            raise ValueError(f"heave plates of {self.plate_height:g} m do not fit a draft of {self.draft:g} m")
-        if self.heave_plate_diameter < self.column_diameter:
+        if np.any(self.plate_height >= np.asarray(self.draft)):
+            raise ValueError(f"heave plates of {self.plate_height:g} m do not fit a draft of {np.min(self.draft):g} m")
+        if np.any(self.heave_plate_diameter < np.asarray(self.column_diameter)):
             raise ValueError("heave plates must not be narrower than their columns")
-        if self.spacing < self.heave_plate_diameter:
-            raise ValueError(
-                f"heave plates of {self.heave_plate_diameter:g} m overlap at a radius of {self.radius:g} m"
-            )
+        tight = np.asarray(self.spacing < self.heave_plate_diameter)
+        if tight.any():
+            plate, radius = (np.broadcast_to(v, tight.shape)[tight][0] for v in (self.heave_plate_diameter, self.radius))
+            raise ValueError(f"heave plates of {plate:g} m overlap at a radius of {radius:g} m")
 
     @property
     def heave_plate_diameter(self) -> float:
@@ -117,7 +117,7 @@ class Semisubmersible:
         to_middle = self.radius - (self.column_diameter + self.main_diameter) / 2
         rise = self.draft - self.plate_height + self.main_freeboard / 2
         return self.columns * (
-            2 * (self.spacing - self.column_diameter) + 2 * to_middle + float(np.hypot(to_middle, rise))
+            2 * (self.spacing - self.column_diameter) + 2 * to_middle + np.hypot(to_middle, rise)
         )
 
     @property
@@ -144,17 +144,17 @@ def hull_plating(hull: Semisubmersible) -> tuple[Plating, ...]:
         ("Main column", main, hull.main_wall),
         ("Braces", np.pi * hull.brace_diameter * hull.brace_length, hull.brace_wall),
     )
-    return tuple(Plating(name=name, area=float(area), thickness=wall) for name, area, wall in parts)
+    return tuple(Plating(name=name, area=area, thickness=wall) for name, area, wall in parts)
 
 
-def displaced_volume(hull: Semisubmersible) -> float:
+def displaced_volume(hull: Semisubmersible) -> float | np.ndarray:
     """Return the displaced volume [m3]; of the braces the share below water, those high up left out."""
     n = hull.columns
     plates = n * np.pi / 4 * hull.heave_plate_diameter**2 * hull.plate_height
     columns = n * np.pi / 4 * hull.column_diameter**2 * (hull.draft - hull.plate_height)
     main = np.pi / 4 * hull.main_diameter**2 * hull.draft
     braces = 0.5 * np.pi / 4 * hull.brace_diameter**2 * hull.brace_length
-    return float(plates + columns + main + braces)
+    return plates + columns + main + braces
 
 
 def ballast_mass(volume: float, carried: float, density: float = 1025.0) -> float:
@@ -195,7 +195,7 @@ def weld_times(plating: Sequence[Plating], layout: PlateLayout | None = None) ->
     plates = [np.ceil(p.area / (layout.length * layout.width)) for p in plating]
     first = sum(layout.difficulty * np.sqrt(k * p.mass) for k, p in zip(plates, plating, strict=True))
     second = sum(WELD_RATE * (1e3 * p.thickness) ** WELD_POWER * layout.seam * p.area for p in plating)
-    return WeldTimes(preparation=float(first), welding=float(second), additional=EXTRA_TIME * float(second))
+    return WeldTimes(preparation=first, welding=second, additional=EXTRA_TIME * second)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -254,6 +254,6 @@ def cost_items(
     )
 
 
-def total_cost(items: Sequence[CostItem]) -> float:
-    """Return the sum of an account [EUR]."""
-    return float(sum(item.cost for item in items))
+def total_cost(items: Sequence[CostItem]) -> float | np.ndarray:
+    """Return the sum of an account [EUR], (...) for several designs."""
+    return sum(item.cost for item in items)

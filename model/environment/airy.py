@@ -60,21 +60,32 @@ def wave_kinematics(omega, wavenumber, depth: float, position, heading=0.0) -> W
     ------
     ValueError : a point lies below the seabed.
     """
-    omega, k = np.atleast_1d(np.asarray(omega, dtype=float)), np.atleast_1d(np.asarray(wavenumber, dtype=float))
-    position = np.asarray(position, dtype=float)
+    omega = np.atleast_1d(np.asarray(omega, dtype=float))
+    heading = np.asarray(heading, dtype=float)
+    along, vertical, pressure = _fields(omega, wavenumber, depth, position, heading)
+    parts = along * np.cos(heading)[..., None], along * np.sin(heading)[..., None], vertical
+    velocity = np.stack(np.broadcast_arrays(*parts), axis=-1)
+    return WaveKinematics(velocity, 1j * omega[:, None] * velocity, pressure)
+
+
+def wave_velocity(omega, wavenumber, depth: float, position, heading=0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Return the velocities (..., n) along the heading and upwards of `wave_kinematics`, which says what goes in."""
+    return _fields(np.atleast_1d(np.asarray(omega, dtype=float)), wavenumber, depth, position, np.asarray(heading, dtype=float))[:2]
+
+
+def _fields(omega, wavenumber, depth, position, heading) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return velocity along the heading, upwards, and pressure head (..., n)."""
+    k, position = np.atleast_1d(np.asarray(wavenumber, dtype=float)), np.asarray(position, dtype=float)
     z = np.minimum(position[..., 2], 0.0)
     if (z < -depth * (1 + 1e-9)).any():
         raise ValueError(
             f"a point at z = {z.min():g} m lies below the seabed at {-depth:g} m; check depth and position"
         )
-    heading = np.asarray(heading, dtype=float)
-    along = position[..., 0] * np.cos(heading) + position[..., 1] * np.sin(heading)
-    phase = np.exp(-1j * k * along[..., None])
+    along = (position[..., 0] * np.cos(heading) + position[..., 1] * np.sin(heading))[..., None] * k
+    phase = np.empty(along.shape, dtype=complex)
+    phase.real, phase.imag = np.cos(along), -np.sin(along)
     horizontal, vertical, head = _depth_profiles(k, np.maximum(z, -depth)[..., None], depth)
-    speed = omega * phase * horizontal
-    parts = speed * np.cos(heading)[..., None], speed * np.sin(heading)[..., None], 1j * omega * phase * vertical
-    velocity = np.stack(np.broadcast_arrays(*parts), axis=-1)
-    return WaveKinematics(velocity, 1j * omega[:, None] * velocity, phase * head)
+    return phase * (omega * horizontal), phase * (1j * omega * vertical), phase * head
 
 
 def _depth_profiles(k, z, depth):

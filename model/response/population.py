@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.environment.sea import wave_kinematics, wavenumber
+from model.environment.airy import wave_velocity, wavenumber
 from model.response.batch import eliminated
 from model.system.drag import DragMembers, borgman_coefficients, element_motion, resisted_directions
 
@@ -49,9 +49,10 @@ def element_set(members: DragMembers, designs: int, omega, heading: float, depth
     """Return the drag elements of N designs, listed design by design, on frequencies omega (n) [rad/s] in waves of a heading [rad]."""
     directions = resisted_directions(members)
     motion = element_motion(members, directions).reshape(designs, -1, 6)
-    field = wave_kinematics(omega, wavenumber(omega, depth, gravity), depth, members.position, np.array([[heading]])).velocity[0]
-    water = (directions @ field.swapaxes(1, 2)).reshape(designs, -1, len(omega))
-    return ElementSet(factor=members.factor.reshape(designs, -1), motion=motion, water=np.ascontiguousarray(water))
+    along, upward = wave_velocity(omega, wavenumber(omega, depth, gravity), depth, members.position, heading)
+    level = directions[..., 0] * np.cos(heading) + directions[..., 1] * np.sin(heading)
+    water = level[..., None] * along[:, None] + directions[..., 2, None] * upward[:, None]
+    return ElementSet(factor=members.factor.reshape(designs, -1), motion=motion, water=water.reshape(designs, -1, len(omega)))
 
 
 def solve_population(
@@ -64,29 +65,51 @@ def solve_population(
     over the largest.
     """
     count, q, r, n = force.shape
-    base = np.concatenate([dynamic, force], axis=2).transpose(1, 2, 0, 3)
-    out = np.empty((count, q, r, n), dtype=complex)
+    base, follow = _without_followers(dynamic, force)
+    out = np.empty((count, 6, r, n), dtype=complex)
     damping, steps, done = np.zeros((count, 6, 6)), np.full(count, limit), np.zeros(count, dtype=bool)
-    index, some = np.arange(count), elements
-    linear, history = borgman_coefficients(_water_covariance(some, weight[0])), []
+    index, some, history = np.arange(count), elements, []
+    still = _water_covariance(some, weight[0])
+    linear = borgman_coefficients(still)
     for step in range(1, limit + 1):
         per_velocity = np.einsum("neai,neab->nieb", _pairs(some), some.factor[..., None, None] * linear, optimize=True)
         per_velocity = per_velocity.reshape(len(index), 6, -1)
         now = per_velocity @ some.motion
-        motion = _solved(base, index, now, _times(per_velocity, some.water), omega, q)
-        new = borgman_coefficients(_relative_covariance(some, motion, weight, omega))
+        motion = _solved(base, index, now, _times(per_velocity, some.water), omega)
+        new = borgman_coefficients(_relative_covariance(some, still, motion, weight, omega))
         change = np.abs(new - linear).max(axis=(1, 2, 3)) / np.maximum(np.abs(new).max(axis=(1, 2, 3)), 1e-300)
         ready = (change < tolerance) | (step == limit)
-        at = index[ready]
+        at, stay = index[ready], ~ready
         out[at], damping[at], steps[at], done[at] = motion[ready], now[ready], step, change[ready] < tolerance
-        stay = ~ready
         if not stay.any():
             break
-        history = [(a[stay], b[stay]) for a, b in [*history[-1:], (linear, new)]] if not ready.all() else []
-        index = index[stay]
-        some = some if stay.all() else some.some(stay)
+        history = [(a[stay], b[stay]) for a, b in [*history[-1:], (linear, new)]]
+        if not stay.all():
+            index, some, still = index[stay], some.some(stay), still[stay]
         linear = _mixed(history)
-    return PopulationResponse(motion=out, drag_damping=damping, iterations=steps, converged=done)
+    return PopulationResponse(motion=follow(out), drag_damping=damping, iterations=steps, converged=done)
+
+
+def _without_followers(dynamic, force):
+    """Return the platform's equations (6, 6 + r, N, n), the other degrees of freedom eliminated, and the function that gives back
+    all motions (N, q, r, n) from the platform's. Drag acts on the platform alone, so this is done once.
+    """
+    base = np.concatenate([dynamic, force], axis=2).transpose(1, 2, 0, 3).copy()
+    q = len(base)
+    for k in range(q - 1, 5, -1):
+        base[k] /= base[k, k].copy()
+        for i in range(k):
+            base[i] -= base[i, k].copy() * base[k]
+    platform = np.ascontiguousarray(base[:6, [*range(6), *range(q, base.shape[1])]])
+
+    def follow(motion):
+        full = np.empty((motion.shape[0], q, *motion.shape[2:]), dtype=complex)
+        full[:, :6] = motion
+        for k in range(6, q):
+            full[:, k] = base[k, q:].transpose(1, 0, 2) - sum(base[k, j][:, None] * full[:, j] for j in range(k))
+        return full
+
+    return platform, follow
 
 
 def _pairs(elements: ElementSet) -> np.ndarray:
@@ -98,37 +121,41 @@ def _times(real: np.ndarray, field: np.ndarray) -> np.ndarray:
     return (real @ field.view(float)).view(complex)
 
 
-def _solved(base, index, damping, wave_force, omega, q: int) -> np.ndarray:
-    """Return motions (N, q, r, n) with drag damping (N, 6, 6) and the waves' drag force (N, 6, n) added to some of the equations."""
+def _solved(base, index, damping, wave_force, omega) -> np.ndarray:
+    """Return the platform's motions (N, 6, r, n), drag damping (N, 6, 6) and the waves' drag force (N, 6, n) added to some of the
+    equations.
+    """
     n = len(omega)
-    out = np.empty((len(index), q, base.shape[1] - q, n), dtype=complex)
+    out = np.empty((len(index), 6, base.shape[1] - 6, n), dtype=complex)
     step = max(1, _CHUNK // n)
     for start in range(0, len(index), step):
         part = slice(start, start + step)
         work = base[:, :, index[part]]
-        work[:6, :6] += damping[part].transpose(1, 2, 0)[..., None] * (1j * omega)
-        work[:6, q] += wave_force[part].transpose(1, 0, 2)
-        out[part] = eliminated(work, q).transpose(0, 2, 3, 1)
+        work[:, :6] += damping[part].transpose(1, 2, 0)[..., None] * (1j * omega)
+        work[:, 6] += wave_force[part].transpose(1, 0, 2)
+        out[part] = eliminated(work, 6).transpose(0, 2, 3, 1)
     return out
 
 
 def _water_covariance(elements: ElementSet, weight) -> np.ndarray:
     """Return the covariances (N, e, 2, 2) of the water's velocity along the resisted directions."""
-    v = elements.water.reshape(*elements.factor.shape, 2, -1) * np.sqrt(weight)
-    return np.einsum("neak,nebk->neab", v.view(float), v.view(float), optimize=True)
+    v = (elements.water * np.sqrt(weight)).reshape(*elements.factor.shape, 2, -1)
+    return _self_products(v)
 
 
-def _relative_covariance(elements: ElementSet, motion, weight, omega) -> np.ndarray:
-    """Return the covariances (N, e, 2, 2) of the relative velocity from all inputs."""
-    rate = motion[:, :6] * (1j * omega) * np.sqrt(weight)
-    count, e = elements.factor.shape
-    flat = elements.motion
-    relative = elements.water * np.sqrt(weight[0]) - _times(flat, np.ascontiguousarray(rate[:, :, 0]))
-    out = _self_products(relative.reshape(count, e, 2, -1))
-    if rate.shape[2] > 1:
-        wind = np.ascontiguousarray(rate[:, :, 1:]).reshape(count, 6, -1).view(float)
-        pairs = _pairs(elements)
-        out = out + np.einsum("neap,npq,nebq->neab", pairs, wind @ wind.swapaxes(1, 2), pairs, optimize=True)
+def _relative_covariance(elements: ElementSet, still, motion, weight, omega) -> np.ndarray:
+    """Return the covariances (N, e, 2, 2) of the relative velocity: the water's own (still), the motions', less those of both."""
+    rate = motion * (1j * omega)
+    driven = np.ascontiguousarray((rate[:, :, 0] * weight[0])).view(float)
+    cross = elements.water.view(float) @ driven.swapaxes(1, 2)
+    scaled = (rate * np.sqrt(weight)).reshape(len(rate), 6, -1).view(float)
+    pairs = _pairs(elements)
+    own = scaled @ scaled.swapaxes(1, 2)
+    moved = (pairs @ own[:, None]) @ pairs.swapaxes(2, 3)
+    mixed = cross.reshape(*elements.factor.shape, 2, 6) @ pairs.swapaxes(2, 3)
+    out = still + moved - mixed - mixed.swapaxes(2, 3)
+    for k in (0, 1):  # where water and body move nearly alike, rounding must not make the difference vanish
+        out[..., k, k] = np.maximum(out[..., k, k], 1e-13 * (moved[..., k, k] + still[..., k, k]))
     return out
 
 
