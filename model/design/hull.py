@@ -100,7 +100,8 @@ class FloatingHull:
 
     volume [m3]; centre_of_buoyancy height [m]; waterplane_area [m2]; waterplane_moment [m4]; steel_mass, ballast_mass,
     mass [kg] of the platform; ballast_level [m] above the keel; centre_of_mass height [m] of the platform; inertia (..., 3)
-    about that centre [kg m2] roll, pitch, yaw; metacentric_height [m] of platform and turbine together.
+    about that centre [kg m2] roll, pitch, yaw; metacentric_height [m] of platform and turbine together; problems: masks (...) of
+    designs with the reason (...) of each.
     """
 
     hull: SemiHull
@@ -115,7 +116,7 @@ class FloatingHull:
     centre_of_mass: np.ndarray
     inertia: np.ndarray
     metacentric_height: np.ndarray
-    problems: tuple[tuple[np.ndarray, str], ...] = ()
+    problems: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
 
     @property
     def possible(self) -> np.ndarray:
@@ -158,7 +159,7 @@ def float_hull(
         inertia=inertia, metacentric_height=metacentric, problems=tuple(_problems(hull, ballast_mass, room, metacentric)),
     )  # fmt: skip
     if hull.shape == () and not out.possible:
-        raise ValueError("the hull cannot float upright as described: " + "; ".join(t for m, t in out.problems if m))
+        raise ValueError("the hull cannot float upright as described: " + "; ".join(str(t) for m, t in out.problems if m))
     return out
 
 
@@ -168,7 +169,9 @@ def _problems(hull: SemiHull, ballast, room, metacentric):
 
     def say(mask, text, *values):
         mask = np.broadcast_to(mask, hull.shape)
-        shown = text.format(*(float(np.broadcast_to(v, hull.shape)[mask][0]) for v in values)) if mask.any() else text
+        values, shown = [np.broadcast_to(v, hull.shape) for v in values], np.full(hull.shape, "", dtype=object)
+        for at in map(tuple, np.argwhere(mask)):
+            shown[at] = text.format(*(float(v[at]) for v in values))
         return mask, shown
 
     yield say(hull.draft <= hull.plate_height, "the draft {:.1f} m is not above the heave plates' height {:.1f} m; take a larger draft",

@@ -64,7 +64,7 @@ def solve_population(
     wind inputs; weight (r, n): spectrum of each input times the frequency step. tolerance on the change of any element's coefficient
     over the largest.
     """
-    count, q, r, n = force.shape
+    count, _, r, n = force.shape
     base, follow = _without_followers(dynamic, force)
     out = np.empty((count, 6, r, n), dtype=complex)
     damping, steps, done = np.zeros((count, 6, 6)), np.full(count, limit), np.zeros(count, dtype=bool)
@@ -146,7 +146,7 @@ def _water_covariance(elements: ElementSet, weight) -> np.ndarray:
 def _relative_covariance(elements: ElementSet, still, motion, weight, omega) -> np.ndarray:
     """Return the covariances (N, e, 2, 2) of the relative velocity: the water's own (still), the motions', less those of both."""
     rate = motion * (1j * omega)
-    driven = np.ascontiguousarray((rate[:, :, 0] * weight[0])).view(float)
+    driven = np.ascontiguousarray(rate[:, :, 0] * weight[0]).view(float)
     cross = elements.water.view(float) @ driven.swapaxes(1, 2)
     scaled = (rate * np.sqrt(weight)).reshape(len(rate), 6, -1).view(float)
     pairs = _pairs(elements)
