@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -109,6 +109,7 @@ _OPTIONS = {
 }  # fmt: skip
 _EXTRAS = ("TowerSections", "ModalTowerLoads", "AnchorTensions", "AirGapPoints", "DirectLin")
 _NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", *TABLES, *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
+_TABLES = ("NLin", "NStates", *TABLES)
 _COLUMNS = ("WindSpeed", "LinFiles", "LinDeck", "MassMatrix", "Name", "Turbulence", "Spectrum", "State", "RefFiles", "(m/s)", "(-)")
 
 
@@ -126,17 +127,17 @@ def load(path: str | Path) -> Case:
             path, 1, expected=f"'--- {TITLE_RULE} ---' or an OpenFAST primary file (.fst)", found=source.lines[0],
             hint="fowtio init DIR writes a study to start from",
         )  # fmt: skip
-    source = _without_rows(source)
-    problems = _Problems(source)
-    _check_names(source, problems)
-    _check_row_counts(source, problems)
+    source = without_rows(source, _TABLES)
+    problems = Problems(source)
+    check_names(source, problems, _NAMES, _TABLES)
+    check_row_counts(source, problems, _TABLES)
     case = Case(
         path=path, title=source.lines[1].strip() if len(source.lines) > 1 else "",
         deck=problems.get(lambda: _file(source, "Deck"), path),
         hydro=problems.get(lambda: None if source.is_default("HydroFile") else _stem(source, "HydroFile")),
         dofs=problems.get(lambda: _dofs(source)),
         linearisations=problems.get(lambda: _linearisations(source, problems), ()),
-        states=problems.get(lambda: _states(source, problems), ()),
+        states=problems.get(lambda: read_states(source, problems), ()),
         options=_options(source, problems),
         references=problems.get(lambda: references(source, problems, _glob), ()),
         decays=problems.get(lambda: decays(source, problems, _glob), ()),
@@ -148,7 +149,7 @@ def load(path: str | Path) -> Case:
     return case
 
 
-class _Problems:
+class Problems:
     """Collects what is wrong while reading goes on."""
 
     def __init__(self, source: InputFile):
@@ -172,31 +173,31 @@ class _Problems:
             raise CaseError(list(dict.fromkeys(self.found)))
 
 
-def _check_names(source: InputFile, problems: _Problems) -> None:
-    """Note every name of the file that fowtio does not know, with the nearest that it does."""
-    known = {n.lower(): n for n in _NAMES}
-    tables = _table_lines(source)
+def check_names(source: InputFile, problems: Problems, names: Sequence[str], counts: Sequence[str]) -> None:
+    """Note every name of the file outside its tables (below `counts`) that is not among names, with the nearest that is."""
+    known = {n.lower(): n for n in names}
+    tables = _table_lines(source, counts)
     for key, (line, _, written) in source.entries.items():
         if key in known or line in tables or source.lines[line - 1].upper().startswith("END"):
             continue
         near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
-        hint = f"; did you mean {known[near[0]]}?" if near else f"; known names are {', '.join(_NAMES)}"
+        hint = f"; did you mean {known[near[0]]}?" if near else f"; known names are {', '.join(names)}"
         problems.add(f"unknown name {written}{hint}", line)
 
 
-def _without_rows(source: InputFile) -> InputFile:
+def without_rows(source: InputFile, counts: Sequence[str]) -> InputFile:
     """Return the file without the values that rows of its tables seem to give (a row that ends in "deck" is no Deck)."""
-    rows = _table_lines(source)
+    rows = _table_lines(source, counts)
     return replace(
         source, entries={k: v for k, v in source.entries.items() if v[0] not in rows},
         repeated={k: line for k, line in source.repeated.items() if line not in rows},
     )  # fmt: skip
 
 
-def _table_lines(source: InputFile) -> set[int]:
+def _table_lines(source: InputFile, counts: Sequence[str]) -> set[int]:
     """Return the lines of the tables: from below a count to the next rule."""
     out = set()
-    for count in ("NLin", "NStates", *TABLES):
+    for count in counts:
         if source.has(count):
             i = source.line(count)
             while i < len(source.lines) and not source.lines[i].startswith("---"):
@@ -205,9 +206,9 @@ def _table_lines(source: InputFile) -> set[int]:
     return out
 
 
-def _check_row_counts(source: InputFile, problems: _Problems) -> None:
+def check_row_counts(source: InputFile, problems: Problems, counts: Sequence[str]) -> None:
     """Note tables that have more rows than their count says: the rest would be passed over."""
-    for count in ("NLin", "NStates", *TABLES):
+    for count in counts:
         try:
             table = source.table(count) if source.has(count) else None
         except FormatError:
@@ -262,7 +263,7 @@ def _dofs(source: InputFile) -> tuple[str, ...] | None:
     return names
 
 
-def _options(source: InputFile, problems: _Problems) -> Options:
+def _options(source: InputFile, problems: Problems) -> Options:
     values = {}
     for name, (attribute, kind) in _OPTIONS.items():
         if source.is_default(name):
@@ -311,7 +312,7 @@ def _extras(source: InputFile) -> ExtraOutputs:
     )  # fmt: skip
 
 
-def _direct(source: InputFile, problems: _Problems) -> tuple[Path, ...]:
+def _direct(source: InputFile, problems: Problems) -> tuple[Path, ...]:
     """Return the full-system linearisations of the direct route."""
     text = source.text("DirectLin", "")
     if _blank(text) or text.lower() == "none":
@@ -322,7 +323,7 @@ def _direct(source: InputFile, problems: _Problems) -> tuple[Path, ...]:
     return files
 
 
-def _linearisations(source: InputFile, problems: _Problems) -> tuple[LinearisationEntry, ...]:
+def _linearisations(source: InputFile, problems: Problems) -> tuple[LinearisationEntry, ...]:
     if not source.has("NLin"):
         return ()
     table = source.table("NLin")
@@ -347,7 +348,8 @@ def _linearisations(source: InputFile, problems: _Problems) -> tuple[Linearisati
     return tuple(sorted(out, key=_speed))
 
 
-def _states(source: InputFile, problems: _Problems) -> tuple[StateEntry, ...]:
+def read_states(source: InputFile, problems: Problems) -> tuple[StateEntry, ...]:
+    """Return the table of states of a study (NStates), noting what is wrong with its rows."""
     if not source.has("NStates"):
         return ()
     table = source.table("NStates")
@@ -367,7 +369,7 @@ def _states(source: InputFile, problems: _Problems) -> tuple[StateEntry, ...]:
     return _combined(out, problems)
 
 
-def _combined(rows: list[StateEntry], problems: _Problems) -> tuple[StateEntry, ...]:
+def _combined(rows: list[StateEntry], problems: Problems) -> tuple[StateEntry, ...]:
     """Return the states; rows of one name are seas at the same time (wind sea and swell) in one wind."""
     out: dict[str, StateEntry] = {}
     for row in rows:
@@ -415,7 +417,7 @@ def _turbulence(text: str) -> str | float | None:
     return value / 100 or None
 
 
-def _check_consistency(case: Case, problems: _Problems) -> None:
+def _check_consistency(case: Case, problems: Problems) -> None:
     """Note what only shows when the parts of a study are seen together."""
     names = [s.name for s in case.states]
     for reference in case.references:

@@ -126,6 +126,19 @@ def cost_study(name: str | Path) -> CostStudy:
     return CostStudy(path=path, title=title, designs=tuple(designs), thrust=settings["Thrust"], line=settings["Line"])
 
 
+def cost_settings(name: str | Path) -> dict:
+    """Return what a cost file says above its table: hull dimensions, site, line, anchor, prices; raise as `cost_study`."""
+    path = shipped(name, SUFFIX, "cost file")
+    source, problems = read_input(path), []
+    if TITLE_RULE not in source.lines[0].upper():
+        raise FormatError(path, 1, expected=f"'--- {TITLE_RULE} ---'", found=source.lines[0])
+    _check_names(source, problems)
+    settings = _settings(source, problems)
+    if problems:
+        raise CaseError(list(dict.fromkeys(problems)))
+    return settings
+
+
 def _design(name: str, values: Sequence[float], settings: dict) -> DesignCost:
     """Return the cost of one row of the table; raise ValueError for what cannot be built or held."""
     diameter, radius, draft, anchor_radius, length = values

@@ -34,6 +34,7 @@ from model.response.fatigue import (
     synthesise,
 )
 from model.response.lifetime import Damage, lifetime_damage
+from model.system.tower import Tower
 
 STEEL_MODULUS, TOWER_DENSITY = 210e9, 8500.0  # of the NREL and DTU towers, paint and bolts in the density
 CHAIN_MASS = 19.9e3  # kg/m per d^2 of studless chain
@@ -198,17 +199,20 @@ def _section(loads: TableLoads, settings: FatigueSettings) -> tuple[TubeSection,
     """Return the section of the tower base: the one given, or the tube of equal mass and bending stiffness."""
     if settings.section is not None:
         return settings.section, []
-    tower = loads.model.deck.elastodyn.structure.tower
-    area = tower.mass_density[0] / TOWER_DENSITY
-    inertia = tower.stiffness_fa[0] / STEEL_MODULUS
-    middle = 2 * float(np.sqrt(2 * inertia / area))
-    wall = area / (np.pi * middle)
-    section = TubeSection(diameter=middle + wall, thickness=wall)
+    section = equal_tube(loads.model.deck.elastodyn.structure.tower)
     note = (
-        f"tower base as a tube of {section.diameter:.3g} m by {1e3 * wall:.3g} mm, of the mass and stiffness of the deck's tower "
+        f"tower base as a tube of {section.diameter:.3g} m by {1e3 * section.thickness:.3g} mm, of the mass and stiffness of the deck's tower "
         f"with steel of {STEEL_MODULUS / 1e9:g} GPa and {TOWER_DENSITY:g} kg/m³"
     )
     return section, [note]
+
+
+def equal_tube(tower: Tower) -> TubeSection:
+    """Return the tube of the mass and bending stiffness of a tower's base."""
+    area = tower.mass_density[0] / TOWER_DENSITY
+    middle = 2 * float(np.sqrt(2 * tower.stiffness_fa[0] / STEEL_MODULUS / area))
+    wall = area / (np.pi * middle)
+    return TubeSection(diameter=middle + wall, thickness=wall)
 
 
 def _lines(

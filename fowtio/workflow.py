@@ -418,9 +418,7 @@ def _operating_point(
 ) -> OperatingPoint:
     structure, rotor = deck.elastodyn.structure, None
     if speed > 0:
-        rotor = rotor_sensitivity(structure.rotor.diameter, structure.rotor.blades, turbine.rotor_speed, speed)
-        if not np.any(turbine.gradient_force):
-            turbine = replace(turbine, gradient_force=_gradient_forces(structure, turbine, rotor))
+        turbine, rotor = with_gradients(turbine, structure, speed)
     try:
         system = assemble(
             dofs, turbine, [turbine_contribution(turbine), *parts], hydro, drag, deck.mooring, deck.hydrodyn.quadratic_damping, flow
@@ -436,6 +434,14 @@ def _operating_point(
     return OperatingPoint(
         wind_speed=speed, turbine=turbine, rotor=rotor, system=system, mean=mean, modes=modes, outputs=outputs, contained=contained,
     )  # fmt: skip
+
+
+def with_gradients(turbine: TurbineMatrices, structure: TurbineStructure, speed: float) -> tuple[TurbineMatrices, RotorSensitivity]:
+    """Return a turbine at a wind speed [m/s] with the forces of the wind's gradients, and how its rotor samples the wind."""
+    rotor = rotor_sensitivity(structure.rotor.diameter, structure.rotor.blades, turbine.rotor_speed, speed)
+    if np.any(turbine.gradient_force):
+        return turbine, rotor
+    return replace(turbine, gradient_force=_gradient_forces(structure, turbine, rotor)), rotor
 
 
 def _stretched(point: OperatingPoint) -> list[str]:

@@ -313,7 +313,7 @@ def cost_account(batch: Batch) -> tuple:
     priced = Semisubmersible(
         column_diameter=hull.diameter, radius=hull.radius, draft=hull.draft, main_diameter=hull.central_diameter, main_freeboard=hull.central_freeboard,
         column_freeboard=hull.column_freeboard, plate_height=hull.plate_height, plate_diameter=hull.plate_diameter, brace_diameter=hull.brace_diameter,
-        column_wall=float(hull.column_wall), main_wall=float(hull.central_wall), brace_wall=float(hull.brace_wall),
+        column_wall=hull.column_wall, main_wall=hull.central_wall, brace_wall=hull.brace_wall,
     )  # fmt: skip
     load = rules.safety * batch.mean(rules.state).mooring.anchor_tension.max(axis=1)
     drag = rules.anchor == "drag"

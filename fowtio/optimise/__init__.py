@@ -1,0 +1,1 @@
+"""Design optimisation: hull and moorings searched for a site, stage by stage."""
