@@ -12,7 +12,7 @@ import numpy as np
 from fowtio.case_validation import TABLES, DecayReference, Reference, decays, references
 from fowtio.errors import CaseError, FormatError, Problem
 from fowtio.read.openfast_input import InputFile, read_input
-from fowtio.read.text import number
+from fowtio.read.text import is_number, number, read_lines
 from fowtio.rotor import ROTOR_NAMES, RotorEntry, rotor_entry
 from model.conventions import PLATFORM_DOFS
 from model.environment.sea import SeaState
@@ -63,7 +63,9 @@ class StateEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """Settings with their defaults: frequency grid [Hz], models, duration of the statistics [s]."""
+    """Settings with their defaults: frequency grid [Hz] (frequencies, when given, are the grid), models, duration of the statistics
+    [s], largest change of a drag coefficient over the largest at which the iteration ends.
+    """
 
     frequency_low: float = 0.0003
     frequency_high: float = 1.0
@@ -73,6 +75,8 @@ class Options:
     wind_spectrum: str = "kaimal"
     wind_averaging: str = "rotor"
     duration: float = 3600.0
+    drag_tolerance: float = 1e-3
+    frequencies: tuple[float, ...] = ()
     extras: ExtraOutputs = field(default_factory=ExtraOutputs)
 
 
@@ -105,9 +109,9 @@ _OPTIONS = {
     "FreqMin": ("frequency_low", float), "FreqMax": ("frequency_high", float), "NFreq": ("frequency_count", int),
     "DragModel": ("drag_model", DRAG_MODELS), "LowFreqExctn": ("low_frequency_excitation", LOW_FREQUENCY),
     "WindSpectrum": ("wind_spectrum", WIND_SPECTRA), "WindAveraging": ("wind_averaging", ("rotor", "point")),
-    "Duration": ("duration", float),
+    "Duration": ("duration", float), "DragTol": ("drag_tolerance", float),
 }  # fmt: skip
-_EXTRAS = ("TowerSections", "ModalTowerLoads", "AnchorTensions", "AirGapPoints", "DirectLin")
+_EXTRAS = ("TowerSections", "ModalTowerLoads", "AnchorTensions", "AirGapPoints", "DirectLin", "FreqFile")
 _NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", *TABLES, *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
 _TABLES = ("NLin", "NStates", *TABLES)
 _COLUMNS = ("WindSpeed", "LinFiles", "LinDeck", "MassMatrix", "Name", "Turbulence", "Spectrum", "State", "RefFiles", "(m/s)", "(-)")
@@ -283,6 +287,7 @@ def _options(source: InputFile, problems: Problems) -> Options:
                 problems.add(f"{name} is {value:g}, expected a number above zero", source.line(name))
                 continue
         values[attribute] = value
+    values["frequencies"] = problems.get(lambda: _frequencies(source), ())
     values["extras"] = problems.get(lambda: _extras(source), ExtraOutputs())
     out = Options(**values)
     if out.frequency_low >= out.frequency_high:
@@ -290,6 +295,25 @@ def _options(source: InputFile, problems: Problems) -> Options:
     if out.frequency_count < 50:
         problems.add(f"NFreq is {out.frequency_count}, expected 50 or more", source.line("NFreq"))
     return out
+
+
+def _frequencies(source: InputFile) -> tuple[float, ...]:
+    """Return the frequencies [Hz] of a file that names one a line, none when the study names no such file."""
+    if source.is_default("FreqFile"):
+        return ()
+    path = source.file("FreqFile")
+    out: list[float] = []
+    for line, text in enumerate(read_lines(path), start=1):
+        text = text.split("!")[0].split("#")[0].strip()
+        if not text:
+            continue
+        value = number(text) if is_number(text) else np.nan
+        if not value > (out[-1] if out else 0.0):
+            raise FormatError(path, line, expected="one frequency [Hz] a line, above zero and ascending", found=text)
+        out.append(value)
+    if len(out) < 10:
+        raise FormatError(path, expected="10 frequencies or more", found=f"{len(out)}")
+    return tuple(out)
 
 
 def _extras(source: InputFile) -> ExtraOutputs:

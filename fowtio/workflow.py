@@ -156,7 +156,8 @@ def solve_states(
         key = tuple(drive.heading)
         if key not in grids:
             grids[key] = _prepare(point.system, drive, model)
-        response = solve(point.system, point.mean, drive, grid=grids[key], drag=model.case.options.drag_model)
+        options = model.case.options
+        response = solve(point.system, point.mean, drive, grid=grids[key], drag=options.drag_model, tolerance=options.drag_tolerance)
         if not response.converged:
             raise ModelError(f"state {state.name!r}: drag did not converge in {response.iterations} iterations")
         out.append(StateResponse(state=state, point=point, response=response))
@@ -462,7 +463,9 @@ def _gradient_forces(structure: TurbineStructure, turbine: TurbineMatrices, roto
 
 
 def _omega(case: Case, states: Sequence[StateEntry], points: Sequence[OperatingPoint]) -> np.ndarray:
-    """Return one frequency grid for all states, dense around the natural frequencies of all operating points."""
+    """Return one frequency grid for all states: the study's own, or dense around the natural frequencies of all operating points."""
+    if case.options.frequencies:
+        return 2 * np.pi * np.array(case.options.frequencies)
     natural = np.concatenate([p.modes.frequency for p in points])
     damping = np.maximum(np.concatenate([p.modes.damping_ratio for p in points]), [0.004 if n == "tower_fa1" else 0.02 for p in points for n in p.modes.names])
     order = np.argsort(natural)
