@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -136,13 +137,13 @@ def in_chunks(evaluate_chunk: Callable[[np.ndarray], Evaluation], designs: np.nd
     )  # fmt: skip
 
 
-def failed_constraints(archive: Archive, constraints: Sequence[Constraint]) -> list[tuple[str, int]]:
-    """Return how many designs failed for each reason, the most frequent first."""
+def failed_constraints(archive: Archive, constraints: Sequence[Constraint] = ()) -> list[tuple[str, int]]:
+    """Return what designs failed at first and how many, the most frequent first; constraints are told with their limits."""
+    bounds = {c.quantity: f"{c.quantity} {c.relation} {c.limit:.4g}" for c in constraints}
     counts: dict[str, int] = {}
-    known = [c.quantity for c in constraints]
     for text in archive.reason:
         if text:
-            key = next((f"{c.quantity} {c.relation} {c.limit:.4g}" for c in constraints if text.startswith(c.quantity + " ")), text if text.split(" ")[0] not in known else text)
-            key = key if not any(ch.isdigit() for ch in key) or " <= " in key or " >= " in key else key.split(" of ")[0]
+            quantity = text.split(" ")[0]
+            key = bounds.get(quantity, quantity) if " is not " in text else re.sub(r"-?\d[\d.e+-]*", "..", text)
             counts[key] = counts.get(key, 0) + 1
     return sorted(counts.items(), key=lambda kv: -kv[1])

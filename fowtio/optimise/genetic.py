@@ -37,11 +37,26 @@ class Redraw(Mutation):
         return np.where(change, drawn, x)
 
 
+class Step(Mutation):
+    """Moves half of the variables, one at the least, by normal steps of a part of their range."""
+
+    def __init__(self, part: float):
+        super().__init__(prob=1.0)
+        self.part = part
+
+    def _do(self, problem, X, *args, random_state=None, **kwargs):
+        x = X.astype(int)
+        change = random_state.random(x.shape) < 0.5
+        change[np.arange(len(x)), random_state.integers(x.shape[1], size=len(x))] = True
+        step = np.round(random_state.normal(size=x.shape) * self.part * (problem.xu - problem.xl))
+        return np.where(change, np.clip(x + step, problem.xl, problem.xu).astype(int), x)
+
+
 class Breeding(Mating):
     """A fraction of the children by crossover alone, each variable from either parent; the others by mutation alone."""
 
     def __init__(self, fraction: float):
-        super().__init__(TournamentSelection(func_comp=fitter), UniformCrossover(prob=1.0), Redraw(0.5))
+        super().__init__(TournamentSelection(func_comp=fittest, pressure=4), UniformCrossover(prob=1.0), Step(0.3))
         self.fraction = fraction
 
     def _do(self, problem, pop, n_offsprings, parents=None, random_state=None, **kwargs):
@@ -68,12 +83,11 @@ class Generational(GeneticAlgorithm):
         self.pop = Population.merge(self.pop[order[: self.elite]], infills)
 
 
-def fitter(pop, pairs, **_) -> np.ndarray:
-    """Return the winner of each pair: the less violation, then the smaller objective."""
-    violation, value = pop.get("CV")[:, 0], pop.get("F")[:, 0]
-    a, b = pairs.T
-    first = (violation[a] < violation[b]) | ((violation[a] == violation[b]) & (value[a] <= value[b]))
-    return np.where(first, a, b)[:, None]
+def fittest(pop, groups, **_) -> np.ndarray:
+    """Return the winner of each group: the least violation, then the smallest objective."""
+    rank = np.empty(len(pop), dtype=int)
+    rank[np.lexsort((pop.get("F")[:, 0], pop.get("CV")[:, 0]))] = np.arange(len(pop))
+    return groups[np.arange(len(groups)), np.argmin(rank[groups], axis=1)][:, None]
 
 
 def algorithm_of(method: str, population: int, fraction: float, elite: int) -> Algorithm:

@@ -11,7 +11,7 @@ import numpy as np
 
 from fowtio import __version__
 from fowtio.errors import ModelError
-from fowtio.optimise.archive import Archive, in_chunks
+from fowtio.optimise.archive import Archive, failed_constraints, in_chunks
 from fowtio.optimise.search import pareto_front, polish, search
 from fowtio.optimise.setting import Reference, batch_of, reference_of, setting_of, shortfall, space_of
 from fowtio.optimise.study import OptimisationStudy, Stage
@@ -123,7 +123,7 @@ def _result(stage, space, constraints, archive: Archive, study, done, progress, 
     objective = stage.objectives[0]
     members = np.unique(np.concatenate(archive.generations)) if archive.generations else np.zeros(0, dtype=int)
     if not archive.feasible[members].any():
-        raise ModelError(f"stage {stage.name}: no design keeps all constraints; of {len(archive.violation)} designs " + _why(archive))
+        raise ModelError(f"stage {stage.name}: no design keeps all constraints; of {len(archive.violation)} designs " + "; ".join(f"{n} fail at {what}" for what, n in failed_constraints(archive, constraints)[:4]))
     found = best = None
     front, picks = np.zeros(0, dtype=int), np.zeros(0, dtype=int)
     if len(stage.objectives) == 1:
@@ -218,14 +218,6 @@ def _with_their_bases(study: OptimisationStudy, stages: Sequence[str] | None) ->
         todo += [t for t in (stage.space.partition(":")[2], stage.relative_to) if t in known]
         todo += [c.of for c in study.constraints if c.stage in ("all", name) and c.of in known]
     return out
-
-
-def _why(archive: Archive) -> str:
-    counts: dict[str, int] = {}
-    for text in archive.reason:
-        key = text.split(" is not ")[0].rsplit(" ", 1)[0] if " is not " in text else text
-        counts[key] = counts.get(key, 0) + 1
-    return "; ".join(f"{n} fail at {key}" for key, n in sorted(counts.items(), key=lambda kv: -kv[1])[:4] if key)
 
 
 def study_digest(study: OptimisationStudy, setting: Setting) -> str:

@@ -67,7 +67,7 @@ class Stage:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Published:
-    """A design of a publication: name, stage, dimensions (5) [m], values by quantity as printed there."""
+    """A design of a publication: name, stage, dimensions (5) [m] (NaN: as the stage's space holds it), values by quantity as printed."""
 
     name: str
     stage: str
@@ -281,7 +281,7 @@ def _published(source: InputFile, problems: Problems, states) -> tuple[Published
             problems.add(f"published designs: {wrong}", source.line("NPublished") + 1)
     out = []
     for row, line in _rows(table, (*known, *quantities)):
-        design = [_number(row[d], d, line, problems) for d in DIMENSIONS]
+        design = [np.nan if row[d] == "-" else _number(row[d], d, line, problems) for d in DIMENSIONS]
         values = {q: _number(row[q], q, line, problems) for q in quantities if row[q] != "-"}
         out.append(Published(name=row["Name"], stage=row["Stage"], design=np.array(design, dtype=float), values=values))
     return tuple(out)

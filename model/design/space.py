@@ -65,6 +65,17 @@ class DesignSpace:
             out[:, -1] = self.length_rule(out)
         return out
 
+    def completed(self, designs) -> np.ndarray:
+        """Return designs (N, 5) with the dimensions that are not given (NaN) as the space holds them: fixed, or by its rule."""
+        out = np.array(np.atleast_2d(designs), dtype=float)
+        for name, value in self.fixed.items():
+            column = out[:, DIMENSIONS.index(name)]
+            column[np.isnan(column)] = value
+        open_length = np.isnan(out[:, -1])
+        if self.length_rule is not None and open_length.any():
+            out[open_length, -1] = self.length_rule(out[open_length])
+        return out
+
     def places(self, designs) -> np.ndarray:
         """Return the nearest places (N, v) of the grid to designs (N, 5), bounds kept."""
         designs = np.atleast_2d(designs)
