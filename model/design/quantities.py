@@ -219,7 +219,7 @@ def evaluate(make: Callable[[np.ndarray], Batch], designs: np.ndarray, reach: np
     """
     names = tuple(dict.fromkeys([*(c.quantity for c in constraints), *wanted]))
     values = np.full((len(designs), len(names)), np.nan)
-    violation, reason = 1000.0 * (reach > 0) * (1 + reach), np.array([""] * len(designs), dtype=object)
+    violation, reason = 1e5 * (reach > 0) * (1 + reach), np.array([""] * len(designs), dtype=object)
     reason[reach > 0] = "the line is shorter than the straight distance from fairlead to anchor"
     alive = np.flatnonzero(reach <= 0)
     batch = make(designs[alive]) if len(alive) else None
@@ -277,7 +277,7 @@ def _afloat(batch: Batch, alive, violation, reason):
     for mask, text in floating.problems:
         for j in np.flatnonzero(np.broadcast_to(mask, bad.shape) & (reason[alive] == "")):
             reason[alive[j]] = str(text[j]).split(";")[0]
-    violation[alive[bad]] += 2000.0
+    violation[alive[bad]] += 5e4
     if bad.any():
         alive = alive[~bad]
         batch = batch.some(~bad) if len(alive) else batch
