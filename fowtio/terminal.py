@@ -8,9 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fowtio.write import tables
 from fowtio.write.table import Table
 from model.response.cummins import consistency_rows
+from model.system.hydro import HydroCoefficients
+from model.system.morison import added_mass_of
 
 if TYPE_CHECKING:
     from fowtio.validation import Validation
@@ -96,19 +100,32 @@ def show_check(model) -> None:
             ("deck", f"{deck.path}, {len(deck.files)} files"),
             ("water", f"depth {deck.depth:g} m, density {deck.density:g} kg/m³, gravity {deck.gravity:g} m/s²"),
             ("hydrodynamics", f"{len(hydro.omega)} frequencies {hydro.omega[0]:.3g} to {hydro.omega[-1]:.3g} rad/s, {len(hydro.heading)} headings"),
+            *([] if hydro.members is None else [("members beside it", members_row(hydro))]),
             ("drag elements", f"{len(first.drag)} ({int(first.drag.axial.sum())} end plates)"),
             ("moorings", "none" if deck.mooring is None else f"{len(deck.mooring.line_names)} lines ({deck.mooring_path.name})"),
             ("degrees of freedom", ", ".join(first.dofs)),
             ("states", ", ".join(s.name for s in model.states)),
         ],
     )
-    print()
-    show_rows("radiation", consistency_rows(hydro))
+    rows = consistency_rows(hydro)
+    if rows:
+        print()
+        show_rows("radiation", rows)
     show_table(tables.conditions(model))
     for point in model.points:
         show_table(tables.contained(point))
         show_table(tables.contributions(point))
     show_notes(model)
+
+
+def members_row(hydro: HydroCoefficients) -> str:
+    """Return what the members outside the potential flow have of the sums below."""
+    found, mass = hydro.members, np.diag(added_mass_of(hydro.members)) / 1e3
+    names = ", ".join(found.names) if len(found.names) <= 12 else f"{', '.join(found.names[:3])} ... {found.names[-1]}"
+    return (
+        f"{len(found.names)} (PropPot False: {names}); volume {found.volume:.1f} m³, C33 {found.stiffness[2, 2] / 1e3:.1f} kN/m, "
+        f"A11 {mass[0]:.0f} t, A22 {mass[1]:.0f} t, A33 {mass[2]:.0f} t, in the hydrostatics and added mass below"
+    )
 
 
 def show_modes(model) -> None:

@@ -110,7 +110,7 @@ def _set(structure: TurbineStructure, shapes: TowerShapes) -> TowerSet:
 
 def _floating(structure: TurbineStructure, head: RigidBody, deck: Deck | None) -> tuple[TowerSet | None, list[str]]:
     """Return the modes on the deck's platform: its mass, infinite-frequency added mass, hydrostatics, moorings at rest."""
-    if deck is None or deck.hydrodyn is None or not deck.hydrodyn.potential_flow:
+    if deck is None or deck.hydrodyn is None or not deck.hydrodyn.floats:
         return None, []
     hydro = deck_hydro(deck)
     if hydro.hydrostatic_stiffness is None:

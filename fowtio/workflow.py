@@ -247,14 +247,6 @@ def _fixed_parts(deck: Deck, hydro: HydroCoefficients) -> tuple[list[Contributio
         parts.append(additional_contribution(hydrodyn.preload, hydrodyn.stiffness, hydrodyn.damping, f"{hydrodyn.path.name} (AddF0, AddCLin, AddBLin)"))
     if hydro.hydrostatic_stiffness is None:
         raise ModelError("the hydrodynamic coefficients hold no hydrostatic stiffness (is the .hst file missing?)")
-    members = hydrodyn.members
-    wet = (members.potential == 0) & (np.minimum(members.start[:, 2], members.end[:, 2]) < 0) if len(members.names) else np.zeros(0, bool)
-    if wet.any():
-        names = ", ".join(n for n, w in zip(members.names, wet, strict=True) if w)
-        notes.append(
-            f"members {names} are not in the potential flow (PropPot False): only their drag is modelled, their buoyancy, added mass and "
-            "inertia forces are left out"
-        )
     if deck.mooring is None:
         notes.append("the deck has no moorings: the floater drifts freely in surge, sway and yaw")
     return parts, notes
@@ -360,7 +352,7 @@ def _given_mass(entry: LinearisationEntry, record: Linearisation, made_by: Deck)
             "the deck; linearise with LinInputs = 2",
         )  # fmt: skip
     mass = _rigid_mass(made_by, dofs, record.state_point[[record.state_dof.index(d) for d in dofs]])
-    if made_by.hydrodyn is not None and made_by.hydrodyn.potential_flow:
+    if made_by.hydrodyn is not None and made_by.hydrodyn.floats:
         mass = mass + widen(added_mass_contribution(deck_hydro(made_by), ""), dofs).mass
     return mass
 
@@ -394,10 +386,12 @@ def _rigid_mass(made_by: Deck, dofs: Sequence[str], point: np.ndarray) -> np.nda
 def _contained(found: SecondOrder, made_by: Deck) -> tuple[Contribution, ...]:
     """Return what a linearised deck held beside the turbine."""
     out = [platform_contribution(made_by.elastodyn.structure.platform, made_by.gravity, made_by.elastodyn.path.name)]
-    if made_by.hydrodyn is not None and made_by.hydrodyn.potential_flow:
-        hydrodyn, hydro = made_by.hydrodyn, deck_hydro(made_by)
+    hydrodyn = made_by.hydrodyn
+    if hydrodyn is not None and hydrodyn.floats:
+        hydro = deck_hydro(made_by)
         out.append(hydrostatic_contribution(hydro, hydrodyn.path.name))
         out.append(added_mass_contribution(hydro, hydrodyn.path.name))
+    if hydrodyn is not None:
         out.append(additional_contribution(hydrodyn.preload, hydrodyn.stiffness, hydrodyn.damping, hydrodyn.path.name))
     if made_by.mooring is not None:
         at = [found.point[found.dofs.index(d)] if d in found.dofs else 0.0 for d in PLATFORM_DOFS]

@@ -10,8 +10,9 @@ import numpy as np
 
 from fowtio.errors import FormatError
 from fowtio.read.hydro_any import hydro_options, read_hydro
+from fowtio.read.morison_elements import inertia_elements
 from fowtio.read.wamit import read_wamit
-from model.system.hydro import HydroCoefficients
+from model.system.hydro import HydroCoefficients, of_members, with_members
 
 if TYPE_CHECKING:
     from fowtio.read.openfast_deck import Deck
@@ -20,18 +21,39 @@ SAME_WATER = 0.01  # of density, gravity and depth: coefficients are proportiona
 
 
 def deck_hydro(deck: Deck, path: Path | None = None) -> HydroCoefficients:
-    """Return the hydrodynamic coefficients that the deck's HydroDyn names, or those of any other file, folder or stem.
+    """Return the hydrodynamic coefficients that the deck's HydroDyn names, or those of any other file, folder or stem, and
+    with them its members outside the potential flow (PropPot False; all of them with PotMod 0 and no such file).
 
     WAMIT files take density, gravity and depth from the deck, and the length scale WAMITULEN when they are the deck's own
     (1 m otherwise). Any other format carries its water, which must be the deck's within 1 %, and must have a hydrostatic
     stiffness. Displaced volume and centre of buoyancy come from the file when it has them, else from HydroDyn (PtfmVol0).
     Raises FormatError.
     """
-    if deck.hydrodyn is None or not deck.hydrodyn.potential_flow:
+    if deck.hydrodyn is None or not (deck.hydrodyn.floats or path):
         raise FormatError(
-            deck.path, expected="a deck with HydroDyn and PotMod 1", found="none", hint="Name HydroFile in the study"
-        )
+            deck.path, expected="a deck with HydroDyn, and potential flow (PotMod 1) or members (PropPot False) in it", found="none",
+            hint="Without water forces nothing carries the floater",
+        )  # fmt: skip
     water = {"density": deck.density, "gravity": deck.gravity, "depth": deck.depth}
+    members = inertia_elements(deck.hydrodyn.members, deck.density, deck.gravity)
+    if members is not None and members.position[:, 2].min() < -deck.depth:
+        raise FormatError(
+            deck.hydrodyn.path, expected=f"members above the seabed at {-deck.depth:g} m", found=f"one down to {members.position[:, 2].min():g} m"
+        )
+    if path is None and not deck.hydrodyn.potential_flow:
+        return of_members(members, **water)
+    potential = _potential_hydro(deck, path, water)
+    if members is None:
+        return potential
+    if potential.excitation is None or potential.hydrostatic_stiffness is None:
+        raise FormatError(
+            path or deck.hydrodyn.coefficients, expected="excitation (.3) and hydrostatic stiffness (.hst)", found="not both"
+        )
+    return with_members(potential, members)
+
+
+def _potential_hydro(deck: Deck, path: Path | None, water: dict[str, float]) -> HydroCoefficients:
+    """Return the coefficients of the potential flow."""
     if path is None:
         hydro = read_wamit(deck.hydrodyn.coefficients, length=deck.hydrodyn.length_scale, **water)
     else:

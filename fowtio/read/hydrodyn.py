@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.errors import FormatError
-from fowtio.read.morison import Filling, Members, ballast_body, drag_members, read_fillings, read_members
+from fowtio.read.morison import Filling, Members, read_fillings, read_members
+from fowtio.read.morison_elements import ballast_body, drag_members
 from fowtio.read.openfast_input import InputFile, read_input
 from model.system.turbine import RigidBody
 
@@ -43,6 +44,12 @@ class HydroDyn:
     fillings: tuple[Filling, ...] = ()
     notes: tuple[str, ...] = ()
 
+    @property
+    def floats(self) -> bool:
+        """Whether the deck has potential flow, or members outside it in the water."""
+        low = np.minimum(self.members.start[:, 2], self.members.end[:, 2])
+        return self.potential_flow or bool(np.any((self.members.potential == 0) & (low < 0)))
+
 
 def read_hydrodyn(path: str | Path) -> HydroDyn:
     """Return a HydroDyn deck of OpenFAST 2 to 5; raise FormatError, also for what fowtio does not model: several
@@ -51,7 +58,7 @@ def read_hydrodyn(path: str | Path) -> HydroDyn:
     deck = read_input(path)
     potential = _potential_flow(deck)
     _refuse_what_is_not_modelled(deck)
-    members = read_members(deck)
+    members = read_members(deck, potential)
     return HydroDyn(
         path=deck.path, potential_flow=potential,
         coefficients=_stem(deck) if potential else None,

@@ -1,8 +1,4 @@
-"""Morison members of a HydroDyn deck: cylinders with drag, end plates at their joints, ballast inside.
-
-Ballast in filled members is taken as frozen: its mass moves with the platform, as in HydroDyn, which lets the fluid in a
-member move with it and keeps its surface in place.
-"""
+"""Morison members of a HydroDyn deck: cylinders with their coefficients, the joints where they meet, ballast inside."""
 
 from __future__ import annotations
 
@@ -14,10 +10,12 @@ from fowtio.errors import FormatError
 from fowtio.read.openfast_input import InputFile, unquote
 from fowtio.read.text import number
 from model.conventions import freeze
-from model.system.drag import DragMembers, no_drag
-from model.system.turbine import RigidBody
 
-_STRIP_LENGTH = 10.0  # one Gauss point for about every 10 m of wetted length and one more
+_INERTIA = {
+    "added_mass_coefficient": "Ca", "pressure_coefficient": "Cp", "axial_added_mass": "AxCa", "axial_pressure": "AxCp",
+    "buoyancy_coefficient": "Cb",
+}  # fmt: skip
+_ABSENT = {"AxCa": 0.0, "AxCp": 1.0, "Cb": 1.0}  # HydroDyn's values before it had the columns
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -25,6 +23,11 @@ class Members:
     """Morison members as the deck defines them: names; start, end (m, 3) [m]; diameter (m, 2) and drag coefficient
     (m, 2) at both ends; the ends' area vectors with axial drag: plate_position, plate_area (p, 3) [m2],
     plate_coefficient (p); wall thickness (m, 2) [m].
+
+    potential (m) is 1 for members in the potential flow. For the others, zero otherwise: coefficients (m, 2) at both ends
+    added_mass (Ca), pressure (Cp), axial_added_mass (AxCa), axial_pressure (AxCp) and buoyancy (Cb, zero without hydrostatics); and the
+    joints where such members end: joint_position (j, 3) [m], joint_area (j, 3) [m2] sum of their outward area vectors, joint_volume
+    (j, 3) [m3] of half spheres on them, joint_added_mass (AxCa) and joint_pressure (AxCp) (j).
     """
 
     names: tuple[str, ...]
@@ -36,11 +39,23 @@ class Members:
     plate_position: np.ndarray
     plate_area: np.ndarray
     plate_coefficient: np.ndarray
+    added_mass_coefficient: np.ndarray
+    pressure_coefficient: np.ndarray
+    axial_added_mass: np.ndarray
+    axial_pressure: np.ndarray
+    buoyancy_coefficient: np.ndarray
+    joint_position: np.ndarray
+    joint_area: np.ndarray
+    joint_volume: np.ndarray
+    joint_added_mass: np.ndarray
+    joint_pressure: np.ndarray
     thickness: np.ndarray | None = None
 
     def __post_init__(self):
         freeze(
             self,
+            **dict.fromkeys(_INERTIA, ("m", 2)), joint_position=("j", 3), joint_area=("j", 3), joint_volume=("j", 3),
+            joint_added_mass=("j",), joint_pressure=("j",),
             start=("m", 3),
             end=("m", 3),
             diameter=("m", 2),
@@ -63,96 +78,11 @@ class Filling:
     line: int
 
 
-def drag_members(members: Members, density: float, *, water_level: float = 0.0) -> DragMembers:
-    """Return the drag elements of the wetted members: Gauss points along each, and the end plates.
+def read_members(deck: InputFile, potential_flow: bool = True) -> Members:
+    """Return the members of a HydroDyn deck; raise FormatError, also for rectangular ones.
 
-    density [kg/m3]; water_level z [m] up to which members are wetted. End plates follow HydroDyn: K = 1/4 rho AxCd A
-    with A the sum of the area vectors of the member ends that meet in the joint.
+    Without potential flow (PotMod 0) no member is in it, whatever PropPot says, as in HydroDyn.
     """
-    parts = [_strips(members, i, density, water_level) for i in range(len(members.names))]
-    area = np.linalg.norm(members.plate_area, axis=1)
-    wet = (area > 1e-9) & (members.plate_position[:, 2] <= water_level)
-    axis = members.plate_area[wet] / area[wet, None]
-    parts.append(
-        (
-            members.plate_position[wet],
-            axis,
-            density / 4 * members.plate_coefficient[wet] * area[wet],
-            np.ones(wet.sum()),
-            np.sqrt(4 / np.pi * area[wet]),
-            np.zeros(wet.sum()),
-        )
-    )
-    position, axis, factor, axial, diameter, length = (np.concatenate(column) for column in zip(*parts, strict=True))
-    keep = factor > 0
-    if not keep.any():
-        return no_drag()
-    return DragMembers(
-        position=position[keep], axis=axis[keep], factor=factor[keep], axial=axial[keep], diameter=diameter[keep],
-        length=length[keep],
-    )  # fmt: skip
-
-
-def ballast_body(members: Members, fillings: tuple[Filling, ...], density: float) -> RigidBody | None:
-    """Return the fluid in filled members as a rigid body about the platform reference point, None without any.
-
-    density [kg/m3] of the sea, for fillings that take it. A member is full between its walls from its lower end to
-    where its axis crosses the level; sections normal to the axis are disks, integrated exactly for straight and
-    conical members.
-    """
-    parts = [_filled(members, i, f, density) for f in fillings for i in f.members]
-    mass = np.concatenate([p[0] for p in parts]) if parts else np.zeros(0)
-    if not mass.sum() > 0:
-        return None
-    place, own = (np.concatenate([p[k] for p in parts]) for k in (1, 2))
-    centre = mass @ place / mass.sum()
-    arm = place - centre
-    square = np.einsum("s,si,sj->ij", mass, arm, arm)
-    return RigidBody(mass=mass.sum(), centre=centre, inertia=own.sum(axis=0) + np.trace(square) * np.eye(3) - square)
-
-
-def _filled(members: Members, i: int, filling: Filling, density: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return mass (s), place (s, 3) and own inertia (s, 3, 3) of Gauss slices of the fluid in one member."""
-    rows = (0, 1) if members.start[i, 2] <= members.end[i, 2] else (1, 0)
-    low, high = ((members.start[i], members.end[i])[k] for k in rows)
-    inner = (members.diameter[i] - 2 * members.thickness[i])[list(rows)]
-    rise = high[2] - low[2]
-    full = float(np.clip((filling.level - low[2]) / rise, 0, 1)) if rise > 1e-9 else float(low[2] <= filling.level)
-    x, w = np.polynomial.legendre.leggauss(6)
-    along = (x + 1) / 2 * full
-    length = np.linalg.norm(high - low)
-    diameter = inner[0] + along * (inner[1] - inner[0])
-    rho = density if filling.density is None else filling.density
-    mass = rho * np.pi / 4 * diameter**2 * w / 2 * full * length
-    axis = (high - low) / length
-    disk = np.eye(3) + np.outer(axis, axis)
-    return mass, low + along[:, None] * (high - low), (mass * diameter**2 / 16)[:, None, None] * disk
-
-
-def _strips(members: Members, i: int, density: float, level: float) -> tuple[np.ndarray, ...]:
-    """Return position, axis, factor, axial, diameter and length of one member's strips below the water level."""
-    start, end = members.start[i], members.end[i]
-    if start[2] > end[2]:
-        start, end, order = end, start, slice(None, None, -1)
-    else:
-        order = slice(None)
-    rise = end[2] - start[2]
-    wet = 0.0 if start[2] >= level else (1.0 if end[2] <= level else (level - start[2]) / rise)
-    full = np.linalg.norm(end - start)
-    count = 0 if wet == 0 else (1 if wet * full < 1.0 else int(np.ceil(wet * full / _STRIP_LENGTH)) + 1)
-    x, w = np.polynomial.legendre.leggauss(count) if count else (np.zeros(0), np.zeros(0))
-    along = (x + 1) / 2 * wet
-    length = w / 2 * wet * full
-    diameter, drag = (
-        (1 - along) * v[0] + along * v[1] for v in (members.diameter[i][order], members.drag_coefficient[i][order])
-    )
-    axis = np.broadcast_to((end - start) / full, (count, 3))
-    position = start + along[:, None] * (end - start)
-    return position, axis, density / 2 * drag * diameter * length, np.zeros(count), diameter, length
-
-
-def read_members(deck: InputFile) -> Members:
-    """Return the members of a HydroDyn deck; raise FormatError, also for rectangular ones."""
     joints = deck.table("NJoints")
     ids = [str(i) for i in joints.integers("JointID")]
     for row, line in enumerate(joints.numbers_of_lines):
@@ -179,12 +109,13 @@ def read_members(deck: InputFile) -> Members:
     start, end = (np.array([place[j] for j in ends[k]]).reshape(n, 3) for k in (0, 1))
     section = np.array([[section_of[s] for s in sets[k]] for k in (0, 1)]).reshape(2, n, 2)
     diameter, thickness = section[..., 0].T, section[..., 1].T
-    plates = _plates(deck, joints, place, ends, start, end, diameter)
-    flags = [f.lower().strip(".")[:1] == "t" for f in table.column("PropPot")] if n else []
+    flags = [potential_flow and f.lower().strip(".")[:1] == "t" for f in table.column("PropPot")] if n else []
+    outside = ~np.array(flags, dtype=bool)
+    ends_at = _Ends(place=place, joints=ends, outward=_outward(deck, start, end), diameter=diameter)
     return Members(
         names=tuple(str(i) for i in table.integers("MemberID")) if n else (), start=start, end=end, diameter=diameter,
-        drag_coefficient=_drag_coefficients(deck, table, start, end), potential=np.array(flags, dtype=float),
-        plate_position=plates[0], plate_area=plates[1], plate_coefficient=plates[2], thickness=thickness,
+        drag_coefficient=_coefficients(deck, table, start, end, "Cd"), potential=np.array(flags, dtype=float),
+        thickness=thickness, **_joints(deck, joints, ends_at, outside), **_inertia(deck, table, start, end, outside),
     )  # fmt: skip
 
 
@@ -253,69 +184,127 @@ def _check_members(deck: InputFile, table) -> None:
             raise FormatError(deck.path, line, expected="every member once", found=f"member {ids[row]} again")
 
 
-def _drag_coefficients(deck: InputFile, table, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Return Cd at both ends of each member after its coefficient model: 1 simple, 2 by depth, 3 by member."""
-    if not len(table):
-        return np.zeros((0, 2))
-    model = table.integers("MCoefMod")
+def _coefficients(deck: InputFile, table, start: np.ndarray, end: np.ndarray, name: str, absent=None) -> np.ndarray:
+    """Return a coefficient at both ends of each member after its coefficient model: 1 simple, 2 by depth, 3 by member.
+
+    absent is its value where a table has no such column; None makes that an error.
+    """
     out = np.zeros((len(table), 2))
+    if not len(table):
+        return out
+    model = table.integers("MCoefMod")
+
+    def numbers(source, column):
+        known = absent is None or column.lower() in [c.lower() for c in source.columns]
+        return source.numbers(column) if known else np.full(len(source), absent)
+
     if np.any(model == 1):
-        out[model == 1] = deck.table(header="SimplCd", rows=1).numbers("SimplCd")[0]
+        out[model == 1] = numbers(deck.table(header="SimplCd", rows=1), f"Simpl{name}")[0]
     if np.any(model == 2):
         depth = deck.table("NCoefDpthCyl" if deck.has("NCoefDpthCyl") else "NCoefDpth")
-        z, cd = -np.abs(depth.numbers("Dpth")), depth.numbers("DpthCd")
+        z, values = -np.abs(depth.numbers("Dpth")), numbers(depth, f"Dpth{name}")
         order = np.argsort(z)
         for k, point in enumerate((start, end)):
-            out[model == 2, k] = np.interp(point[model == 2, 2], z[order], cd[order])
+            out[model == 2, k] = np.interp(point[model == 2, 2], z[order], values[order])
     if np.any(model == 3):
         own = deck.table("NCoefMembersCyl" if deck.has("NCoefMembersCyl") else "NCoefMembers")
-        given = dict(
-            zip(
-                own.integers("MemberID").tolist(),
-                zip(own.numbers("MemberCd1"), own.numbers("MemberCd2"), strict=True),
-                strict=True,
-            )
-        )
+        pairs = zip(numbers(own, f"Member{name}1"), numbers(own, f"Member{name}2"), strict=True)
+        given = dict(zip(own.integers("MemberID").tolist(), pairs, strict=True))
         for row in np.flatnonzero(model == 3):
-            name = table.integers("MemberID")[row]
-            if name not in given:
+            member = table.integers("MemberID")[row]
+            if member not in given:
                 raise FormatError(
                     deck.path,
                     table.numbers_of_lines[row],
-                    expected=f"coefficients of member {name} (MCoefMod 3)",
+                    expected=f"coefficients of member {member} (MCoefMod 3)",
                     found="none",
                 )
-            out[row] = given[name]
+            out[row] = given[member]
     return out
 
 
-def _plates(deck, joints, place, ends, start, end, diameter) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return position, area vector and axial drag coefficient of the joints that have one."""
-    axial = deck.table("NAxCoef")
-    coefficient = (
-        dict(zip((str(i) for i in axial.integers("AxCoefID")), axial.numbers("AxCd"), strict=True))
-        if len(axial)
-        else {}
-    )
-    use = dict(zip(place, (str(i) for i in joints.integers("JointAxID")), strict=True))
-    for joint, line in zip(use, joints.numbers_of_lines, strict=True):
-        if use[joint] not in coefficient:
-            raise FormatError(
-                deck.path, line, expected="an axial coefficient of the table", found=f"JointAxID {use[joint]}"
-            )
+def _inertia(deck: InputFile, table, start, end, outside: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the coefficients of inertia and buoyancy by field, zero for members in the potential flow."""
+    out = {field: np.zeros((len(table), 2)) for field in _INERTIA}
+    if not outside.any():
+        return out
+    _refuse_diffraction(deck)
+    for field, name in _INERTIA.items():
+        out[field][outside] = _coefficients(deck, table, start, end, name, _ABSENT.get(name))[outside]
+    if "mhstlmod" in [c.lower() for c in table.columns]:
+        out["buoyancy_coefficient"][table.integers("MHstLMod") == 0] = 0.0
+    return out
+
+
+def _refuse_diffraction(deck: InputFile) -> None:
+    """Refuse members whose wave force HydroDyn scales after MacCamy and Fuchs."""
+    tables = [deck.table(header="SimplCd", rows=1)]
+    tables += [deck.table(n) for n in ("NCoefDpthCyl", "NCoefDpth", "NCoefMembersCyl", "NCoefMembers") if deck.has(n)]
+    for table in tables:
+        for name in (c for c in table.columns if c.lower().endswith("mcf")):
+            for value, line in zip(table.column(name), table.numbers_of_lines, strict=True):
+                if value.lower().strip(".")[:1] in ("t", "1"):
+                    raise FormatError(
+                        deck.path, line, expected=f"{name} False", found=value,
+                        hint="Diffraction after MacCamy and Fuchs is not modelled; give the member to the potential flow (PropPot True)",
+                    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Ends:
+    """Where members end: places of the joints by number, joints of both ends, outward axes (2, m, 3), diameter (m, 2)."""
+
+    place: dict[str, np.ndarray]
+    joints: list[list[str]]
+    outward: np.ndarray
+    diameter: np.ndarray
+
+    def summed(self, size: np.ndarray, counted: np.ndarray) -> dict[str, np.ndarray]:
+        """Return by joint the sum of the outward axes times sizes (m, 2) of the members that are counted."""
+        out = {joint: np.zeros(3) for joint in self.place}
+        for k in (0, 1):
+            for row in np.flatnonzero(counted):
+                joint = self.joints[k][row]
+                out[joint] = out[joint] + self.outward[k, row] * size[row, k]
+        return out
+
+
+def _outward(deck: InputFile, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Return the outward axes (2, m, 3) of members at both ends; raise FormatError for one without length."""
     direction = end - start
     length = np.linalg.norm(direction, axis=1, keepdims=True)
     if np.any(length == 0):
         line = deck.table("NMembers").numbers_of_lines[int(np.argmax(length == 0))]
         raise FormatError(deck.path, line, expected="a member of some length", found="two equal ends")
-    outward = {1: direction / length, 0: -direction / length}
-    area = {joint: np.zeros(3) for joint in place}
-    for k in (0, 1):
-        for row, joint in enumerate(ends[k]):
-            area[joint] = area[joint] + outward[k][row] * np.pi / 4 * diameter[row, k] ** 2
-    chosen = [j for j in place if coefficient.get(use[j], 0.0) > 0]
-    n = len(chosen)
-    return (
-        np.array([place[j] for j in chosen]).reshape(n, 3), np.array([area[j] for j in chosen]).reshape(n, 3),
-        np.array([coefficient[use[j]] for j in chosen]),
-    )  # fmt: skip
+    return np.stack([-direction / length, direction / length])
+
+
+def _joints(deck: InputFile, joints, ends: _Ends, outside: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the plates with axial drag, of all members, and the joints of members outside the potential flow, by field."""
+    axial = deck.table("NAxCoef")
+    rows = {str(i): row for row, i in enumerate(axial.integers("AxCoefID"))} if len(axial) else {}
+    use = dict(zip(ends.place, (str(i) for i in joints.integers("JointAxID")), strict=True))
+    for joint, line in zip(use, joints.numbers_of_lines, strict=True):
+        if use[joint] not in rows:
+            raise FormatError(
+                deck.path, line, expected="an axial coefficient of the table", found=f"JointAxID {use[joint]}"
+            )
+
+    def picked(values, of):
+        return np.array([values[j] for j in of]).reshape(len(of), 3)
+
+    def coefficient(name, of):
+        values = axial.numbers(name) if of else np.zeros(0)
+        return np.array([values[rows[use[j]]] for j in of])
+
+    area = np.pi / 4 * ends.diameter**2
+    drag = dict(zip(use, coefficient("AxCd", list(use)), strict=True))
+    plates = [j for j in use if drag[j] > 0]
+    free = [j for j in use if any(outside[row] for k in (0, 1) for row, at in enumerate(ends.joints[k]) if at == j)]
+    return {
+        "plate_position": picked(ends.place, plates), "plate_coefficient": np.array([drag[j] for j in plates]),
+        "plate_area": picked(ends.summed(area, np.ones(len(area), bool)), plates),
+        "joint_position": picked(ends.place, free), "joint_area": picked(ends.summed(area, outside), free),
+        "joint_volume": picked(ends.summed(np.pi / 12 * ends.diameter**3, outside), free),
+        "joint_added_mass": coefficient("AxCa", free), "joint_pressure": coefficient("AxCp", free),
+    }  # fmt: skip

@@ -101,6 +101,7 @@ INTERNAL = (
     "metocean_table",
     "metocean_time",
     "morison",
+    "morison_elements",
     "hydro_any",
     "hydro_common",
 )

@@ -96,9 +96,10 @@ def fit_radiation(
     diagonal = np.diag(peak)
     significant = peak > SIGNIFICANT * np.sqrt(np.outer(diagonal, diagonal))
     largest = np.array([diagonal[:3].max()] * 3 + [diagonal[3:].max()] * 3)
-    dead = diagonal <= ABSENT * largest
+    rounding = 1e-12 * high * np.abs(np.diag(infinite_added_mass(hydro)))
+    dead = (diagonal <= ABSENT * largest) | (diagonal <= rounding)  # a hull of strips alone has no radiation
     significant &= (peak > 0) & ~dead & ~dead[:, None]
-    parts, names, found, least = [], [], [], [(np.inf, np.inf)]
+    parts, names, found, least = [], [], [], []
     for block in _blocks(significant):
         best = _fit_block(grid, data[:, block][:, :, block], urgent[:, block][:, :, block], inside, target, orders)
         parts.append((block, *_realise(best.found, best.found.coefficients)))
@@ -114,7 +115,7 @@ def fit_radiation(
         error=np.zeros((6, 6)),
         blocks=tuple(names),
         orders=tuple(found),
-        least_damping=tuple(float(v) for v in np.min(least, axis=0)),
+        least_damping=tuple(float(v) for v in np.min(least, axis=0)) if least else (0.0, 0.0),
     )
     together = np.zeros((6, 6), dtype=bool)
     for block, *_ in parts:

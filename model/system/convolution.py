@@ -45,5 +45,5 @@ def convolved_radiation(
     added = (memory.imag / omega[:, None]).reshape(-1, 6, 6) + infinite_added_mass(hydro)
     return replace(
         hydro, omega=omega, added_mass=added, radiation_damping=memory.real.reshape(-1, 6, 6), added_mass_zero=added[0],
-        excitation=None if hydro.excitation is None else excitation_at(hydro, omega, hydro.heading),
+        excitation=None if hydro.excitation is None else excitation_at(replace(hydro, members=None), omega, hydro.heading),
     )  # fmt: skip

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from model.conventions import freeze, move_force, move_matrix, weight_stiffness
+from model.system.morison import InertiaElements, added_mass_of, wave_force_on
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -17,7 +18,8 @@ class HydroCoefficients:
     added_mass, radiation_damping (n, 6, 6); added_mass_zero, added_mass_infinite (6, 6) or None;
     excitation complex (m, n, 6) per metre of wave amplitude; hydrostatic_stiffness (6, 6), buoyancy only (no weight);
     volume [m3] and centre_of_buoyancy (3) [m] of the body at rest; reference_point (3) [m]; density [kg/m3];
-    gravity [m/s2]; depth [m].
+    gravity [m/s2]; depth [m]. members outside the potential flow, None without: all fields but the excitation hold their part
+    already (`with_members`), their wave force is exact at any frequency and heading.
     """
 
     omega: np.ndarray
@@ -34,6 +36,7 @@ class HydroCoefficients:
     density: float = 1025.0
     gravity: float = 9.80665
     depth: float = np.inf
+    members: InertiaElements | None = None
 
     def __post_init__(self):
         freeze(
@@ -60,6 +63,47 @@ class HydroCoefficients:
 def infinite_added_mass(hydro: HydroCoefficients) -> np.ndarray:
     """Return the infinite-frequency added mass (6, 6), that of the highest frequency where the data lack it."""
     return hydro.added_mass[-1] if hydro.added_mass_infinite is None else hydro.added_mass_infinite
+
+
+def with_members(hydro: HydroCoefficients, members: InertiaElements) -> HydroCoefficients:
+    """Return the coefficients of a body with members outside the potential flow added to it.
+
+    Their added mass does not depend on frequency; buoyancy goes to stiffness, volume and centre. Raises ValueError for a body
+    that has members already, has no excitation, or whose reference point is not the origin.
+    """
+    if hydro.members is not None or hydro.excitation is None or np.any(hydro.reference_point):
+        raise ValueError("members are added once, to coefficients with excitation about the origin")
+    mass = added_mass_of(members)
+    volume = (hydro.volume or 0.0) + members.volume
+    own = np.zeros(3) if hydro.centre_of_buoyancy is None else hydro.centre_of_buoyancy
+    centre = ((hydro.volume or 0.0) * own + members.volume * members.centre) / volume if volume > 0 else own
+
+    def heavier(matrix):
+        return None if matrix is None else matrix + mass
+
+    return replace(
+        hydro, members=members, volume=volume, centre_of_buoyancy=centre, added_mass=heavier(hydro.added_mass),
+        added_mass_zero=heavier(hydro.added_mass_zero), added_mass_infinite=heavier(hydro.added_mass_infinite),
+        hydrostatic_stiffness=None if hydro.hydrostatic_stiffness is None else hydro.hydrostatic_stiffness + members.stiffness,
+    )  # fmt: skip
+
+
+def of_members(
+    members: InertiaElements, *, density: float, gravity: float, depth: float, omega=None
+) -> HydroCoefficients:
+    """Return the coefficients of a body of members alone, without potential flow.
+
+    omega (n) [rad/s] to list the coefficients at, which do not depend on it; by default 0.05 to 3.2.
+    """
+    omega = np.arange(1, 65) / 20 if omega is None else np.asarray(omega, dtype=float)
+    heading = np.radians(np.arange(-180, 181, 30))
+    zero = np.zeros((len(omega), 6, 6))
+    empty = HydroCoefficients(
+        omega=omega, heading=heading, added_mass=zero, radiation_damping=zero, added_mass_zero=zero[0], added_mass_infinite=zero[0],
+        excitation=np.zeros((len(heading), len(omega), 6), dtype=complex), hydrostatic_stiffness=np.zeros((6, 6)), volume=0.0,
+        centre_of_buoyancy=np.zeros(3), density=density, gravity=gravity, depth=depth,
+    )  # fmt: skip
+    return with_members(empty, members)
 
 
 LOW_FREQUENCY = ("hold", "hydrostatic")
@@ -89,7 +133,8 @@ def excitation_at(hydro: HydroCoefficients, omega, heading, *, low_frequency: st
 
     Linear in frequency and heading, real and imaginary parts apart, as OpenFAST's HydroDyn does. Below the lowest
     frequency of the data `low_frequency` = "hold" keeps the lowest value, as HydroDyn does, and "hydrostatic"
-    goes linearly to the hydrostatic limit C[:, 2]; above the highest the excitation falls as omega^-2.
+    goes linearly to the hydrostatic limit C[:, 2]; above the highest the excitation falls as omega^-2. What members outside
+    the potential flow add is not interpolated.
     Raises ValueError for a heading outside the data.
     """
     if hydro.excitation is None:
@@ -102,13 +147,19 @@ def excitation_at(hydro: HydroCoefficients, omega, heading, *, low_frequency: st
     if low_frequency == "hydrostatic":
         if hydro.hydrostatic_stiffness is None:
             raise ValueError('low_frequency "hydrostatic" needs the hydrostatic stiffness')
-        lowest = np.broadcast_to(hydro.hydrostatic_stiffness[:, 2].astype(complex), lowest.shape)
+        limit = hydro.hydrostatic_stiffness[:, 2] - (0 if hydro.members is None else hydro.members.stiffness[:, 2])
+        lowest = np.broadcast_to(limit.astype(complex), lowest.shape)
     values = np.concatenate([lowest, at_heading], axis=-2)
     grid = np.concatenate([[0.0], hydro.omega])
     index, weight = _bracket(grid, np.minimum(omega, grid[-1]))
     beyond = np.minimum(1.0, grid[-1] / np.maximum(omega, 1e-12)) ** 2
     w = weight[:, None]
-    return ((1 - w) * values[..., index, :] + w * values[..., index + 1, :]) * beyond[:, None]
+    potential = ((1 - w) * values[..., index, :] + w * values[..., index + 1, :]) * beyond[:, None]
+    if hydro.members is None:
+        return potential
+    return potential + wave_force_on(
+        hydro.members, omega, heading, density=hydro.density, gravity=hydro.gravity, depth=hydro.depth, reference=hydro.reference_point
+    )  # fmt: skip
 
 
 def headings_cover(hydro: HydroCoefficients, heading) -> np.ndarray:
