@@ -160,6 +160,7 @@ class Problems:
         self.source, self.found = source, []
 
     def add(self, text: str, line: int | None = None) -> None:
+        """Note a problem at a line of the file."""
         self.found.append(Problem(text, self.source.path, line))
 
     def get(self, read: Callable, default=None):
@@ -173,6 +174,7 @@ class Problems:
         return default
 
     def raise_all(self) -> None:
+        """Raise CaseError with everything that was noted, if anything was."""
         if self.found:
             raise CaseError(list(dict.fromkeys(self.found)))
 

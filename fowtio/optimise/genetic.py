@@ -61,11 +61,15 @@ class Breeding(Mating):
 
     def _do(self, problem, pop, n_offsprings, parents=None, random_state=None, **kwargs):
         crossed = round(self.fraction * n_offsprings)
-        pairs = self.selection(problem, pop, -(-crossed // 2), n_parents=2, random_state=random_state, **kwargs)
-        children = self.crossover(problem, pairs, random_state=random_state, **kwargs)[:crossed]
-        alone = self.selection(problem, pop, n_offsprings - crossed, n_parents=1, random_state=random_state, **kwargs)
-        copies = Population.new("X", np.array([p[0].X for p in alone]).reshape(-1, problem.n_var))
-        return Population.merge(children, self.mutation(problem, copies, random_state=random_state, **kwargs))
+        children, copies = Population.create(), Population.create()
+        if crossed:
+            pairs = self.selection(problem, pop, -(-crossed // 2), n_parents=2, random_state=random_state, **kwargs)
+            children = self.crossover(problem, pairs, random_state=random_state, **kwargs)[:crossed]
+        if crossed < n_offsprings:
+            alone = self.selection(problem, pop, n_offsprings - crossed, n_parents=1, random_state=random_state, **kwargs)
+            copies = Population.new("X", np.array([p[0].X for p in alone]))
+            copies = self.mutation(problem, copies, random_state=random_state, **kwargs)
+        return Population.merge(children, copies)
 
 
 class Generational(GeneticAlgorithm):

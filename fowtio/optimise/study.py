@@ -11,7 +11,7 @@ import numpy as np
 
 from fowtio.case import Problems, StateEntry, check_names, check_row_counts, read_states, without_rows
 from fowtio.cost_study import cost_settings
-from fowtio.errors import CaseError, FormatError, FowtioError
+from fowtio.errors import FormatError, FowtioError
 from fowtio.read.openfast_input import InputFile, Table, read_input
 from fowtio.read.text import number
 from fowtio.site import shipped
@@ -157,8 +157,8 @@ def _cost(source: InputFile) -> dict:
     beside = source.path.parent / text
     try:
         return cost_settings(beside if beside.is_file() else text)
-    except CaseError as error:
-        raise FormatError(source.path, source.line("CostFile"), expected="a cost file without problems", found=text, hint=str(error)) from None
+    except FowtioError as error:
+        raise FormatError(source.path, source.line("CostFile"), expected="a cost file that can be read", found=text, hint=str(error)) from None
 
 
 def _database(source: InputFile) -> Path | None:
@@ -355,5 +355,3 @@ def _note(wrong: str | None, where: str, line: int, problems: Problems) -> None:
     if wrong:
         problems.add(f"{where}: {wrong}", line)
 
-
-__all__ = ["FowtioError", "OptimisationStudy", "Stage", "load_optimisation"]

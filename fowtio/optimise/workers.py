@@ -40,7 +40,7 @@ def _client(address: str):
     except ImportError:
         raise ModelError('a Dask cluster needs dask; install it with: pip install "fowtio[cluster]"') from None
     try:
-        client = Client(address, timeout=10)
+        client = Client(address, timeout=5)
     except (OSError, ValueError) as error:
         raise ModelError(f"no Dask cluster at {address}: {error}") from None
     with client:
