@@ -99,6 +99,12 @@ def set_values(text: str, values: dict[str, str]) -> str:
     return text
 
 
+def plain(value: float) -> str:
+    """Return a number as the shortest text that reads back as the same number."""
+    text = repr(float(value))
+    return text[:-2] if text.endswith(".0") and "e" not in text else text
+
+
 def _write(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8")
 
@@ -111,8 +117,8 @@ def _titled(text: str, title: str) -> str:
 def _elastodyn(plan: DeckPlan, text: str) -> str:
     body = plan.platform
     values = {
-        "PtfmMass": f"{body.mass:.6E}", "PtfmCMzt": f"{body.centre[2]:.5f}", "PtfmRIner": f"{body.inertia[0, 0]:.6E}",
-        "PtfmPIner": f"{body.inertia[1, 1]:.6E}", "PtfmYIner": f"{body.inertia[2, 2]:.6E}",
+        "PtfmMass": plain(body.mass), "PtfmCMzt": plain(body.centre[2]), "PtfmRIner": plain(body.inertia[0, 0]),
+        "PtfmPIner": plain(body.inertia[1, 1]), "PtfmYIner": plain(body.inertia[2, 2]),
     }  # fmt: skip
     return _titled(set_values(text, values), f"{TURBINES[plan.turbine][1]} on {plan.title}, parked")
 
@@ -123,7 +129,7 @@ def _hydrodyn(plan: DeckPlan, text: str) -> str:
         text,
         {
             "PotFile": f'"hydro/{plan.name}"',
-            "PtfmVol0": f"{hydro.volume:.3f}",
+            "PtfmVol0": plain(hydro.volume),
             "NExctnHdg": str(len(hydro.heading) - 1),
         },
     )
@@ -163,21 +169,21 @@ def _set_table(text: str, count: str, rows: list[str]) -> str:
 def _member_tables(plan_members: Sequence[Member]):
     """Return the rows of HydroDyn's tables: joints, members, drag coefficients, sections, axial coefficients."""
     axial_values = sorted({m.axial_drag for m in plan_members} | {0.0})
-    diameters = sorted({round(m.diameter, 4) for m in plan_members})
+    diameters = sorted({m.diameter for m in plan_members})
     joints, members, coefficients = [], [], []
     for k, m in enumerate(plan_members, start=1):
         for end, (point, coefficient) in enumerate(((m.start, m.axial_drag), (m.end, 0.0))):
             number = 2 * k - 1 + end
-            place = " ".join(f"{v:12.5f}" for v in point)
+            place = " ".join(f"{plain(v):>12}" for v in point)
             joints.append(f"{number:7d} {place} {axial_values.index(coefficient) + 1:11d}           0")
-        size = diameters.index(round(m.diameter, 4)) + 1
+        size = diameters.index(m.diameter) + 1
         members.append(
             f"{k:8d} {2 * k - 1:9d} {2 * k:9d} {size:11d} {size:11d}        1         0.0 {max(2.0, m.diameter / 4):8.2f}        3        1    TRUE   ! {m.name}"
         )
-        coefficients.append(f"{k:5d} {m.drag:.2f} {m.drag:.2f}" + " 0.00" * 22 + " 1.00" * 4)
-    sections = [f"{k:9d} {d:10.5f}     0.06000" for k, d in enumerate(diameters, start=1)]
+        coefficients.append(f"{k:5d} {plain(m.drag)} {plain(m.drag)}" + " 0.00" * 22 + " 1.00" * 4)
+    sections = [f"{k:9d} {plain(d):>10}     0.06000" for k, d in enumerate(diameters, start=1)]
     axial = [
-        f"{k:5d} {v:8.2f}     0.00     1.00      0        0.00       1.00" for k, v in enumerate(axial_values, start=1)
+        f"{k:5d} {plain(v):>8}     0.00     1.00      0        0.00       1.00" for k, v in enumerate(axial_values, start=1)
     ]
     return joints, members, coefficients, sections, axial
 
@@ -192,20 +198,20 @@ def _moorings(plan: DeckPlan, text: str) -> str:
         return lines[heads[k] : heads[k] + 3]
 
     dictionary = [
-        f"line{k}  {d:10.5f} {m:10.3f} {s:12.5E}      1.0    0        0    0        0"
+        f"line{k}  {plain(d):>10} {plain(m):>10} {plain(s):>12}      1.0    0        0    0        0"
         for k, (d, m, s) in enumerate(kinds, start=1)
     ]
     nodes, rows = [], []
     for k, line in enumerate(plan.lines, start=1):
-        anchor = " ".join(f"{v:11.4f}" for v in line.anchor[:2])
+        anchor = " ".join(f"{plain(v):>11}" for v in line.anchor[:2])
         floor = abs(line.anchor[2] + plan.depth) < 1e-6
         nodes.append(
-            f"{2 * k - 1:4d} fix    {anchor} {'depth' if floor else f'{line.anchor[2]:.4f}':>11}   0     0     #     #     #"
+            f"{2 * k - 1:4d} fix    {anchor} {'depth' if floor else plain(line.anchor[2]):>11}   0     0     #     #     #"
         )
-        nodes.append(f"{2 * k:4d} Vessel {' '.join(f'{v:11.4f}' for v in line.fairlead)}   0     0     #     #     #")
+        nodes.append(f"{2 * k:4d} Vessel {' '.join(f'{plain(v):>11}' for v in line.fairlead)}   0     0     #     #     #")
         kind = kinds.index((line.diameter, line.mass, line.stiffness)) + 1
         rows.append(
-            f"{k:3d} line{kind}  {line.length:12.4f} {2 * k - 1:6d} {2 * k:6d}   tension_fair h_fair v_fair tension_anch"
+            f"{k:3d} line{kind}  {plain(line.length):>12} {2 * k - 1:6d} {2 * k:6d}   tension_fair h_fair v_fair tension_anch"
         )
     return "\n".join(
         [*head(0), *dictionary, *head(1), *nodes, *head(2), *rows, *lines[heads[3] : heads[3] + 3], "help", ""]

@@ -1,5 +1,6 @@
 """An optimisation from its file: what is wrong with a file, the searches, history and resumption, the shipped studies."""
 
+import itertools
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -130,7 +131,7 @@ def test_the_genetic_algorithm_comes_near_and_keeps_its_elite():
         archive = bowl()
         search(archive, "ga", ("f",), population=200, generations=5, crossover=0.8, elite=2, seed=seed, progress=quiet)
         best = [archive.value("f", g).min() for g in archive.generations]
-        assert all(b <= a for a, b in zip(best, best[1:], strict=False))
+        assert all(b <= a for a, b in itertools.pairwise(best))
         assert [len(g) for g in archive.generations] == [200] * 5
         gaps.append(best[-1])
     # of 10,075 designs at most 1,000 are seen; a random search of 1,000 comes to 13 on average
@@ -160,7 +161,7 @@ def test_crossover_alone_takes_every_variable_from_a_parent():
     evolve(
         algorithm_of("ga", 50, 1.0, 0), np.array([5, 5]), 1, 3, 1, lambda p: (p.sum(axis=1, keepdims=True).astype(float), np.zeros(len(p))), members.append
     )
-    for before, after in zip(members, members[1:], strict=False):
+    for before, after in itertools.pairwise(members):
         for k in (0, 1):
             assert set(after[:, k]) <= set(before[:, k])
 
