@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.bem_run import hull_meshes
-from fowtio.hull_mesh import area_vectors, whole
+from fowtio.hull_mesh import whole
 
-WATER, STEEL, LINE, INK = "#9cc3d5", "#c9b458", "#444444", "#222222"
+INK = "#222222"
 
 
 def _plt():
@@ -21,87 +21,30 @@ def _plt():
     return plt
 
 
-def draw_system(design, path: str | Path, *, wind_speed: float = 0.0) -> Path:
+def draw_system(design, path: str | Path) -> Path:
     """Draw hull, tower, rotor and lines of a semisubmersible in three dimensions, all axes to the same scale; return the path."""
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-
     from fowtio.hull_turbine import ten_megawatt_structure
-    from model.design.hull import brace_lines
-    from model.system.mooring import line_profiles, mooring_state
+    from fowtio.write.scene import scene, scene_drawing
 
-    plt = _plt()
-    figure = plt.figure(figsize=(12, 6.2))
-    hull, structure, system = design.hull, ten_megawatt_structure(), design.mooring()
-    lines, _ = line_profiles(system, mooring_state(system, np.zeros(6)))
-    for k, (box, title) in enumerate((("near", "hull and turbine"), ("all", "with the lines"))):
-        axes = figure.add_subplot(1, 2, k + 1, projection="3d", proj_type="ortho", computed_zorder=True)
-        panels = _hull_panels(hull)
-        shade = 0.55 + 0.45 * np.clip(_unit(area_vectors(panels)) @ _unit(np.array([0.4, -0.8, 0.5])), 0, 1)
-        colours = np.clip(np.array([0.82, 0.71, 0.30]) * shade[:, None], 0, 1)
-        axes.add_collection3d(Poly3DCollection(panels, facecolors=colours, edgecolors="none"))
-        for _, start, end in brace_lines(hull):
-            for a in (0.0, 2 * np.pi / 3, 4 * np.pi / 3):
-                turn = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1.0]])
-                axes.plot(*zip(turn @ start, turn @ end, strict=True), color="#a08c3c", lw=1.0)
-        _draw_turbine(axes, structure, hull)
-        if box == "all":
-            for points in lines:
-                axes.plot(*points.T, color=LINE, lw=0.9)
-            reach = design.anchor_radius
-            limits = ((-reach, reach), (-reach, reach), (-design.depth, 210))
-        else:
-            limits = ((-100, 100), (-100, 100), (-float(hull.draft) - 5, 212))
-            for points in lines:
-                near = np.linalg.norm(points[:, :2], axis=1) < 105
-                axes.plot(*points[near].T, color=LINE, lw=0.9)
-        corner = np.array([[limits[0][i], limits[1][j], 0.0] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))])
-        axes.add_collection3d(Poly3DCollection([corner], facecolors=WATER, alpha=0.22, edgecolors="none"))
-        axes.set(xlim=limits[0], ylim=limits[1], zlim=limits[2], title=title)
-        axes.set_box_aspect([high - low for low, high in limits], zoom=(0.92, 1.15)[k])
-        axes.view_init(elev=12, azim=-62)
-        axes.set_xlabel("x (m)", labelpad=4)
-        axes.set_ylabel("y (m)", labelpad=4)
-        axes.tick_params(labelsize=7, pad=0)
-    figure.subplots_adjust(left=0.0, right=0.94, bottom=0.03, top=0.92, wspace=0.12)
-    figure.suptitle(
-        f"column {float(hull.diameter):g} m, radius {float(hull.radius):g} m, draft {float(hull.draft):g} m, depth {design.depth:g} m",
-        fontsize=10,
-    )
-    return _saved(figure, path)
+    start, end, diameter = zip(*_cylinders(design.hull), strict=True)
+    found = scene(ten_megawatt_structure(), start, end, np.repeat(diameter, 2), design.mooring(), design.depth)
+    return _saved(scene_drawing(found).figure, path)
 
 
-def _unit(v):
-    return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)
+def _cylinders(hull) -> list[tuple]:
+    """Return start, end (3) [m] and diameter [m] of columns, plates, pontoons and braces above and below still water."""
+    from model.design.hull import AZIMUTHS, brace_lines
 
-
-def _hull_panels(hull) -> np.ndarray:
-    """Return panels of columns and plates above and below still water, for drawing."""
-    from fowtio.hull_mesh import revolved
-    from model.design.hull import AZIMUTHS
-
-    r, plate, keel = float(hull.diameter) / 2, float(hull.plate_diameter) / 2, -float(hull.draft)
-    top, deck, shelf = float(hull.column_freeboard), float(hull.central_freeboard), keel + float(hull.plate_height)
-    column = [(0.0, top), (r, top), (r, shelf), (plate, shelf), (plate, keel), (0.0, keel)]
-    middle = [
-        (0.0, deck),
-        (float(hull.central_diameter) / 2, deck),
-        (float(hull.central_diameter) / 2, keel),
-        (0.0, keel),
-    ]
-    parts = [revolved(middle, 6.0, 18)]
-    parts += [revolved(column, 6.0, 28, centre=float(hull.radius) * np.array([np.cos(a), np.sin(a)])) for a in AZIMUTHS]
-    return np.concatenate(parts)
-
-
-def _draw_turbine(axes, structure, hull) -> None:
-    """Draw tower and rotor as lines to scale."""
-    base, top = float(hull.central_freeboard), structure.tower.top_height
-    axes.plot([0, 0], [0, 0], [base, top], color="#8a8f94", lw=3.0, solid_capstyle="butt")
-    hub = np.array([structure.rotor.apex[0], 0.0, structure.hub_height])
-    axes.plot([4, hub[0]], [0, 0], [hub[2], hub[2]], color="#6c7177", lw=4.0)
-    span = structure.rotor.diameter / 2
-    for a in np.radians([90.0, 210.0, 330.0]):
-        axes.plot([hub[0], hub[0]], [0, span * np.cos(a)], [hub[2], hub[2] + span * np.sin(a)], color=INK, lw=1.6)
+    keel, shelf, z = -float(hull.draft), float(hull.plate_height - hull.draft), np.array([0.0, 0.0, 1.0])
+    out = [(keel * z, hull.central_freeboard * z, hull.central_diameter)]
+    for a in AZIMUTHS:
+        p = hull.radius * np.array([np.cos(a), np.sin(a), 0.0])
+        out += [(p + shelf * z, p + hull.column_freeboard * z, hull.diameter), (p + keel * z, p + shelf * z, hull.plate_diameter)]
+    for _, start, end in brace_lines(hull):
+        for a in (0.0, 2 * np.pi / 3, 4 * np.pi / 3):
+            turn = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1.0]])
+            out.append((turn @ start, turn @ end, hull.brace_diameter))
+    return out
 
 
 def draw_check(found: list[dict], folder: Path) -> Path:

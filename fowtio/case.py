@@ -13,6 +13,7 @@ from fowtio.case_validation import TABLES, DecayReference, Reference, decays, re
 from fowtio.errors import CaseError, FormatError, Problem
 from fowtio.read.openfast_input import InputFile, read_input
 from fowtio.read.text import is_number, number, read_lines
+from fowtio.read.turbine_table import read_turbine_table
 from fowtio.rotor import ROTOR_NAMES, RotorEntry, rotor_entry
 from model.conventions import PLATFORM_DOFS
 from model.environment.sea import SeaState
@@ -20,6 +21,7 @@ from model.response.sections import ExtraOutputs
 from model.response.solve import DRAG_MODELS
 from model.system.hydro import LOW_FREQUENCY
 from model.system.tower import TOWER_MODES
+from model.system.turbine_table import TurbineTable
 
 SUFFIX = ".fowt"
 SPECTRA = {
@@ -40,6 +42,14 @@ class LinearisationEntry:
     deck: Path | None
     mass: str = "auto"
     line: int = 0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TurbineEntry:
+    """A file of turbine matrices by wind speed, and the table that it holds."""
+
+    path: Path
+    table: TurbineTable
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -83,7 +93,8 @@ class Options:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Case:
     """A study: its file, title, deck, hydrodynamic coefficients (None: the deck's), degrees of freedom (None: the deck's),
-    linearisations, states (empty: the deck's own sea), options, references and decay tests for validation.
+    linearisations, states (empty: the deck's own sea), options, references and decay tests for validation; the turbine's
+    matrices by wind speed, or a rotor table, for wind speeds without a linearisation; a hull or mesh file for the picture.
     """
 
     path: Path
@@ -98,6 +109,14 @@ class Case:
     decays: tuple[DecayReference, ...] = ()
     direct: tuple[Path, ...] = ()
     rotor: RotorEntry | None = None
+    turbine: TurbineEntry | None = None
+    hull: Path | None = None
+
+    @property
+    def wind_speeds(self) -> tuple[float, ...]:
+        """The wind speeds above 0 [m/s] whose turbine the study names, by linearisations or a table of matrices; ascending."""
+        named = {e.wind_speed for e in self.linearisations} | (set() if self.turbine is None else set(self.turbine.table.wind_speed.tolist()))
+        return tuple(sorted(s for s in named if s > 0))
 
 
 ALL_DOFS = ("all",)
@@ -112,7 +131,7 @@ _OPTIONS = {
     "Duration": ("duration", float), "DragTol": ("drag_tolerance", float),
 }  # fmt: skip
 _EXTRAS = ("TowerSections", "ModalTowerLoads", "AnchorTensions", "AirGapPoints", "DirectLin", "FreqFile")
-_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", *TABLES, *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
+_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "TurbineFile", "HullFile", *TABLES, *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
 _TABLES = ("NLin", "NStates", *TABLES)
 _COLUMNS = ("WindSpeed", "LinFiles", "LinDeck", "MassMatrix", "Name", "Turbulence", "Spectrum", "State", "RefFiles", "(m/s)", "(-)")
 
@@ -147,6 +166,8 @@ def load(path: str | Path) -> Case:
         decays=problems.get(lambda: decays(source, problems, _glob), ()),
         direct=problems.get(lambda: _direct(source, problems), ()),
         rotor=problems.get(lambda: rotor_entry(source)),
+        turbine=problems.get(lambda: _turbine_entry(source)),
+        hull=problems.get(lambda: _file(source, "HullFile") if _names(source, "HullFile") else None),
     )  # fmt: skip
     _check_consistency(case, problems)
     problems.raise_all()
@@ -374,6 +395,19 @@ def _linearisations(source: InputFile, problems: Problems) -> tuple[Linearisatio
     return tuple(sorted(out, key=_speed))
 
 
+def _names(source: InputFile, name: str) -> bool:
+    """Whether a study names a file."""
+    return not source.is_default(name) and source.text(name).lower() not in ("none", "-")
+
+
+def _turbine_entry(source: InputFile) -> TurbineEntry | None:
+    """Return the turbine's matrices by wind speed, None when the study names none."""
+    if not _names(source, "TurbineFile"):
+        return None
+    path = _file(source, "TurbineFile")
+    return TurbineEntry(path=path, table=read_turbine_table(path))
+
+
 def read_states(source: InputFile, problems: Problems) -> tuple[StateEntry, ...]:
     """Return the table of states of a study (NStates), noting what is wrong with its rows."""
     if not source.has("NStates"):
@@ -449,11 +483,19 @@ def _check_consistency(case: Case, problems: Problems) -> None:
     for reference in case.references:
         if names and reference.state not in names:
             problems.add(f"the reference names state {reference.state!r}; states are {', '.join(names)}", reference.line)
+    if case.turbine is not None and case.rotor is not None:
+        problems.add("TurbineFile and RotorTable both give the turbine in wind; name one of them", problems.source.line("RotorTable"))
     speeds = [e.wind_speed for e in case.linearisations if e.wind_speed > 0]
     for state in case.states if case.rotor is None else ():
-        if state.wind_speed > 0 and not speeds:
-            problems.add(f"state {state.name!r} has wind ({state.wind_speed:g} m/s), but the study names no linearisation at a wind speed above 0 and no RotorTable", state.line)
-        elif state.wind_speed > 0 and not min(speeds) - 0.05 <= state.wind_speed <= max(speeds) + 0.05:
+        if state.wind_speed == 0 or (speeds and min(speeds) - 0.05 <= state.wind_speed <= max(speeds) + 0.05):
+            continue
+        if case.turbine is not None:
+            table = case.turbine.table
+            if not table.covers(state.wind_speed):
+                problems.add(f"state {state.name!r}: wind speed {state.wind_speed:g} m/s; {table.source} has data at {table.span}", state.line)
+        elif not speeds:
+            problems.add(f"state {state.name!r} has wind ({state.wind_speed:g} m/s), but the study names no linearisation at a wind speed above 0, no TurbineFile and no RotorTable", state.line)
+        else:
             problems.add(
                 f"state {state.name!r}: wind speed {state.wind_speed:g} m/s lies outside the linearisations "
                 f"({min(speeds):g} to {max(speeds):g} m/s)", state.line,

@@ -24,16 +24,21 @@ EXIT_INPUT, EXIT_CHECK, EXIT_INTERRUPTED = 1, 3, 130
 @app.command()
 def init(
     folder: Annotated[Path, typer.Argument(help="a new or empty folder", show_default=False)],
+    study: Annotated[str, typer.Option(help="oc4, oc3_spar, iti_barge, mit_tlp, semi_10mw, table31, table34 or table38")] = "oc4",
+    hydro: Annotated[Path | None, typer.Option(help="coefficients to put into it: file, folder or stem; not with oc4", show_default=False)] = None,
     quiet: QUIET = False, json: JSON = False, verbose: VERBOSE = False,
 ) -> None:  # fmt: skip
-    """Write a study to start from: the embedded OC4 semisubmersible with its deck and linearisations."""
+    """Write a study to start from: the embedded OC4 semisubmersible with its deck and linearisations, or another reference hull."""
+    from fowtio.hull_references import start_reference
     from fowtio.start import copy_embedded_case
 
-    study = copy_embedded_case(folder)
+    if study == "oc4" and hydro is not None:
+        raise typer.BadParameter("the embedded case keeps its coefficients; name others in its study file (HydroFile)", param_hint="--hydro")
+    written = copy_embedded_case(folder) if study == "oc4" else start_reference(study, folder, hydro)
     if json:
-        _print_json({"study": str(study)})
+        _print_json({"study": str(written)})
     elif not quiet:
-        print(f"{study}\nnext: fowtio check {study}    fowtio run {study}")
+        print(f"{written}\nnext: fowtio check {written}    fowtio run {written}")
 
 
 @app.command()

@@ -5,6 +5,7 @@ The files of the embedded case serve as the form; values and tables are replaced
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 from collections.abc import Sequence
@@ -13,12 +14,14 @@ from pathlib import Path
 
 import numpy as np
 
-from fowtio.hull_turbine import reference_folder
+from fowtio.hull_turbine import MATRICES, reference_folder
 from fowtio.start import embedded_folder
 from fowtio.write.hydro import write_wamit
 from model.system.hydro import HydroCoefficients
 from model.system.turbine import RigidBody
 
+STORM = ("storm", 0.0, "none", "jonswap", 7.0, 12.0)
+LINEARISED = "oc4_deepcwind/linearisation/turbine"
 TURBINES = {"nrel5mw": ("oc4_deepcwind", "NREL 5 MW"), "dtu10mw": ("dtu10mw", "DTU 10 MW")}
 
 
@@ -48,7 +51,11 @@ class Line:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DeckPlan:
-    """What a deck says of a floating hull; turbine is a key of TURBINES; added_stiffness and added_damping (6, 6) are HydroDyn's."""
+    """What a deck and its study say of a floating hull; turbine is a key of TURBINES; added_stiffness and added_damping (6, 6) are
+    HydroDyn's; linearisations are wind speeds [m/s] and their folders in LINEARISED (none: the turbine's matrices by wind speed, where there
+    are); states are name, wind speed, turbulence, spectrum, significant height [m] and peak period [s];
+    hull_file, of the reference data, is drawn where members do not tell the hull's shape.
+    """
 
     name: str
     title: str
@@ -60,7 +67,9 @@ class DeckPlan:
     depth: float
     added_stiffness: np.ndarray | None = None
     added_damping: np.ndarray | None = None
-    linearisations: Sequence[tuple[float, str, str]] = ()
+    linearisations: Sequence[tuple[float, str]] = ()
+    states: Sequence[tuple[str, float, str, str, float, float]] = (STORM,)
+    hull_file: str | None = None
 
 
 def write_deck(plan: DeckPlan, folder: str | Path) -> Path:
@@ -83,7 +92,7 @@ def write_deck(plan: DeckPlan, folder: str | Path) -> Path:
         inputs / f"{plan.name}.fst", _titled(main, f"{TURBINES[plan.turbine][1]} on {plan.title}, parked, JONSWAP sea")
     )
     study = folder / f"{plan.name}.fowt"
-    _write(study, _study(plan))
+    _write(study, _study(plan, folder))
     return study
 
 
@@ -218,28 +227,48 @@ def _moorings(plan: DeckPlan, text: str) -> str:
     ).replace("\nhelp\n", "\n")
 
 
-def _study(plan: DeckPlan) -> str:
+def _study(plan: DeckPlan, folder: Path) -> str:
     """Return the text of the study file."""
-    rows = "\n".join(f'{speed:<6g} "{files}"  "{deck}"  auto' for speed, files, deck in plan.linearisations)
-    wind = 11.0 if any(abs(s - 11.0) < 0.1 for s, _, _ in plan.linearisations) else None
-    operating = f"operating     {wind:<10g} B           jonswap      4.0       9.0   -      0.0\n" if wind else ""
+    matrices, rows = None, ""
+    if plan.linearisations:
+        files = _at_hand(LINEARISED, folder, "linearisation")
+        rows = "".join(f'{speed:<6g}     "{files}/{name}/m.*.lin"  "{files}/{name}/turbine.fst"  auto\n' for speed, name in plan.linearisations)
+    elif (reference_folder(TURBINES[plan.turbine][0]) / MATRICES).is_file():
+        matrices = _at_hand(f"{TURBINES[plan.turbine][0]}/{MATRICES}", folder, f"input/{MATRICES}")
+    hull = f'"{_at_hand(plan.hull_file, folder, "hull.toml")}"  HullFile      - shape of the hull, for the picture\n' if plan.hull_file else ""
+    named = f'"{matrices}"  TurbineFile   - matrices of the turbine by wind speed\n' if matrices else ""
+    states = [_state_row(*state) for state in (("white_noise", 0.0, "none", "white_noise", 1.766352, "-"), *plan.states)]
     return f"""------- FOWTIO STUDY FILE ------------------------------------------------------
 {TURBINES[plan.turbine][1]} on {plan.title}
 ---------------------- MODEL ---------------------------------------------------
 "input/{plan.name}.fst"  Deck          - OpenFAST primary file (quoted string)
 "DEFAULT"        HydroFile     - hydrodynamic coefficients; DEFAULT: what the deck names
-7                DOFs          - six platform motions and the tower's first fore-aft mode
+{named}{hull}7                DOFs          - six platform motions and the tower's first fore-aft mode
 ---------------------- LINEARISATIONS ------------------------------------------
-{len(plan.linearisations)}                NLin          - operating points with linearisation files; 0: the turbine from the deck alone, parked
+{len(plan.linearisations)}                NLin          - operating points with linearisation files
 WindSpeed  LinFiles  LinDeck  MassMatrix
 (m/s)      (-)       (-)      (-)
-{rows + chr(10) if rows else ""}---------------------- SEA AND WIND STATES -------------------------------------
-{3 if wind else 2}                NStates       - rows of the table
+{rows}---------------------- SEA AND WIND STATES -------------------------------------
+{len(states)}                NStates       - rows of the table
 Name          WindSpeed  Turbulence  Spectrum     Hs        Tp    Gamma  WaveDir
 (-)           (m/s)      (- or %)    (-)          (m)       (s)   (-)    (deg)
-white_noise   0.0        none        white_noise  1.766352  -     -      0.0
-{operating}storm         0.0        none        jonswap      7.0       12.0  -      0.0
+{chr(10).join(states)}
 ---------------------- OPTIONS -------------------------------------------------
 "hydrostatic"    LowFreqExctn  - excitation below the data: hold (lowest value, as HydroDyn) or hydrostatic (its limit)
 END of study
 """
+
+
+def _state_row(name: str, wind: float, turbulence: str, spectrum: str, height: float, period: float | str) -> str:
+    return f"{name:<13} {wind:<10.1f} {turbulence:<11} {spectrum:<12} {height:<9.7g} {period!s:<5} -      0.0"
+
+
+def _at_hand(data: str, folder: Path, place: str) -> str:
+    """Return the path from a study's folder to reference data: to where they lie when the study is a reference too, else to a copy."""
+    root = reference_folder("").resolve()
+    if folder.resolve().is_relative_to(root):
+        return Path(os.path.relpath(root / data, folder.resolve())).as_posix()
+    copy = shutil.copytree if (root / data).is_dir() else shutil.copyfile
+    if not (folder / place).exists():
+        copy(root / data, folder / place)
+    return place

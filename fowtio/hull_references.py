@@ -11,18 +11,23 @@ from pathlib import Path
 
 import numpy as np
 
-from fowtio.hull_deck import DeckPlan, Line, Member, write_deck
+from fowtio.errors import ModelError
+from fowtio.hull_deck import STORM, DeckPlan, Line, Member, write_deck
 from fowtio.hull_system import CHAIN, WIRE, SemiDesign, design_deck, length_for_stiffness, thesis_hull
+from fowtio.hull_turbine import reference_folder
+from fowtio.read.openfast_deck import deck_hydro, read_deck
+from fowtio.start import require_empty
+from fowtio.write.atomic import atomic_folder
 from model.design.hull import OC4, upscaled
 from model.system.hydro import HydroCoefficients
 from model.system.turbine import RigidBody
 
-_TURBINE = "../oc4_deepcwind/linearisation/turbine"
-LINEARISATIONS = [
-    (speed, f"{_TURBINE}/{name}/m.*.lin", f"{_TURBINE}/{name}/turbine.fst")
-    for speed, name in ((8.0, "U08"), (11.0, "U11"), (11.4, "U11p4"), (14.0, "U14"), (18.0, "U18"), (24.0, "U24"))
-]
+LINEARISATIONS = ((8.0, "U08"), (11.0, "U11"), (11.4, "U11p4"), (14.0, "U14"), (18.0, "U18"), (24.0, "U24"))
 OC4_SURGE_STIFFNESS = 7.08e4
+OPERATION = ("operating", 11.0, "B", "jonswap", 4.0, 9.0)
+TUSCANY = (("rated", 11.0, "B", "jonswap", 4.93, 8.68), ("cut_out", 25.0, "B", "jonswap", 7.14, 10.47), STORM)
+SARDINIA = (("rated", 11.0, "B", "jonswap", 5.60, 9.98), ("cut_out", 25.0, "B", "jonswap", 8.62, 12.11), STORM)
+"""50-year seas of the thesis's table 28 at 11 and 25 m/s, and a parked storm."""
 
 
 def _body(mass: float, height: float, roll: float, pitch: float, yaw: float) -> RigidBody:
@@ -52,7 +57,7 @@ def oc3_spar(hydro: HydroCoefficients) -> DeckPlan:
     ]
     return DeckPlan(
         name="oc3", title="the OC3-Hywind spar, 320 m", turbine="nrel5mw", platform=_body(7.46633e6, -89.9155, 4.22923e9, 4.22923e9, 1.6423e8),
-        hydro=hydro, members=members, depth=320.0, added_stiffness=stiffness, added_damping=damping, linearisations=LINEARISATIONS,
+        hydro=hydro, members=members, depth=320.0, added_stiffness=stiffness, added_damping=damping, linearisations=LINEARISATIONS, states=(OPERATION, STORM),
         lines=_around([180.0, 60.0, -60.0], 5.2, -70.0, 853.87, -320.0, length=902.2, mass=77.7066, diameter=0.09, stiffness=3.84243e8),
     )  # fmt: skip
 
@@ -68,7 +73,8 @@ def iti_barge(hydro: HydroCoefficients) -> DeckPlan:
     member = Member(name="bottom", start=-4.0 * z, end=-3.0 * z, diameter=40.0, drag=0.0)
     return DeckPlan(
         name="iti", title="the ITI Energy barge, 150 m", turbine="nrel5mw", platform=_body(5.452e6, -0.281768, 7.269e8, 7.269e8, 1.45393e9),
-        hydro=replace(hydro, volume=6000.0), members=[member], depth=150.0, linearisations=LINEARISATIONS,
+        hydro=replace(hydro, volume=6000.0), members=[member], depth=150.0, linearisations=LINEARISATIONS, states=(OPERATION, STORM),
+        hull_file="iti_barge/hull.toml",
         lines=_around(anchors, 28.2843, -4.0, 423.422, -150.0, lead_angles=corners, length=473.312, mass=130.403, diameter=0.0809, stiffness=5.89e8),
     )  # fmt: skip
 
@@ -80,7 +86,7 @@ def mit_tlp(hydro: HydroCoefficients) -> DeckPlan:
     angles = np.repeat([0.0, 90.0, 180.0, 270.0], 2)
     return DeckPlan(
         name="tlp", title="the MIT/NREL tension-leg platform, 200 m", turbine="nrel5mw", platform=_body(8.6e6, -40.612, 5.716e8, 5.716e8, 3.614e8),
-        hydro=hydro, members=[member], depth=200.0, linearisations=LINEARISATIONS,
+        hydro=hydro, members=[member], depth=200.0, linearisations=LINEARISATIONS, states=(OPERATION, STORM),
         lines=_around(angles, 27.0, -47.89, 27.0, -200.0, length=151.73, mass=116.027, diameter=0.127, stiffness=1.5e9),
     )  # fmt: skip
 
@@ -111,12 +117,38 @@ def semi_designs() -> dict[str, SemiDesign]:
     }
 
 
+TITLES = {
+    "semi_10mw": "the upscaled OC4 semisubmersible", "table31": "the optimum of table 31", "table34": "the optimum of table 34",
+    "table38": "the optimum of table 38",
+}  # fmt: skip
+MAKERS = {"oc3_spar": oc3_spar, "iti_barge": iti_barge, "mit_tlp": mit_tlp}
+REFERENCES = (*MAKERS, *TITLES)
+
+
 def write_reference(name: str, folder: str | Path, hydro: HydroCoefficients | None = None) -> Path:
-    """Write one reference study into a folder and return its study file; the 5 MW hulls and semi_10mw need their coefficients."""
-    makers = {"oc3_spar": oc3_spar, "iti_barge": iti_barge, "mit_tlp": mit_tlp}
-    if name in makers:
-        return write_deck(makers[name](hydro), folder)
-    design = semi_designs()[name]
-    titles = {"semi_10mw": "the upscaled OC4 semisubmersible", "table31": "the optimum of table 31", "table34": "the optimum of table 34",
-              "table38": "the optimum of table 38"}  # fmt: skip
-    return design_deck(design, folder, title=titles[name], hydro=hydro)
+    """Write one of REFERENCES as a study into a folder and return its study file; raise ModelError for another name.
+
+    hydro replaces its coefficients: those that come with fowtio, of the optima those of the database.
+    """
+    if name not in REFERENCES:
+        raise ModelError(f"no reference study {name!r}; there are {', '.join(REFERENCES)}")
+    if hydro is None and not name.startswith("table"):
+        hydro = _stored(name)
+    if name in MAKERS:
+        return write_deck(MAKERS[name](hydro), folder)
+    states = SARDINIA if name == "table38" else TUSCANY
+    return design_deck(semi_designs()[name], folder, title=TITLES[name], hydro=hydro, states=states)
+
+
+def start_reference(name: str, folder: str | Path, hydro: str | Path | None = None) -> Path:
+    """Write a reference study into a new or empty folder and return its study file; hydro names coefficients to put into it."""
+    folder = require_empty(folder)
+    with atomic_folder(folder) as temporary:
+        study = write_reference(name, temporary, None if hydro is None or name not in REFERENCES else _stored(name, hydro))
+    return folder / study.name
+
+
+def _stored(name: str, hydro: str | Path | None = None) -> HydroCoefficients:
+    """Return the coefficients of a reference study's deck, or others in its water."""
+    folder = reference_folder(f"thesis_optima/{name}" if name.startswith("table") else name)
+    return deck_hydro(read_deck(next((folder / "input").glob("*.fst"))), None if hydro is None else Path(hydro))

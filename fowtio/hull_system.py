@@ -9,7 +9,7 @@ import numpy as np
 
 from fowtio.database import read_database
 from fowtio.errors import ModelError
-from fowtio.hull_deck import DeckPlan, Line, Member, write_deck
+from fowtio.hull_deck import STORM, DeckPlan, Line, Member, write_deck
 from fowtio.hull_turbine import carried, ten_megawatt
 from model.conventions import PLATFORM_DOFS, TOWER_FORE_AFT
 from model.design.hull import (
@@ -32,6 +32,7 @@ CHAIN = {"mass_per_length": 226.7, "diameter": 0.1083, "axial_stiffness": 1.507e
 WIRE = {"mass_per_length": 76.5, "diameter": 0.1215, "axial_stiffness": 1.353e9}
 OMEGA = np.concatenate([np.arange(1, 41) * 0.0125, 0.5 + np.arange(1, 85) * 0.025])
 HEADINGS = np.radians(np.arange(-180.0, 181.0, 15.0))
+OPERATING = (("rated", 11.4, "B", "jonswap", 4.0, 9.0), ("cut_out", 25.0, "B", "jonswap", 7.0, 12.0), STORM)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -135,8 +136,13 @@ def length_for_stiffness(design: SemiDesign, stiffness: float) -> SemiDesign:
     )
 
 
-def design_deck(design: SemiDesign, folder: str | Path, *, title: str, hydro: HydroCoefficients | None = None) -> Path:
-    """Write an OpenFAST deck and a study of a design into a folder and return the study file."""
+def design_deck(
+    design: SemiDesign, folder: str | Path, *, title: str, hydro: HydroCoefficients | None = None, states=OPERATING
+) -> Path:  # fmt: skip
+    """Write an OpenFAST deck and a study of a design into a folder and return the study file.
+
+    states are those of the study beside a parked one in white noise, as in DeckPlan.
+    """
     floating = design.floating()
     hull, system = design.hull, design.mooring()
     anchor, lead = (np.asarray(system.position)[k : k + 3] for k in (0, 3))
@@ -148,6 +154,7 @@ def design_deck(design: SemiDesign, folder: str | Path, *, title: str, hydro: Hy
             Line(anchor=a, fairlead=f, length=design.length, mass=line["mass_per_length"], diameter=line["diameter"], stiffness=line["axial_stiffness"])
             for a, f in zip(anchor, lead, strict=True)
         ],
+        states=states,
     )  # fmt: skip
     return write_deck(plan, folder)
 

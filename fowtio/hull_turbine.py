@@ -7,13 +7,13 @@ from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-import numpy as np
-
 from fowtio.errors import ModelError
+from fowtio.read.turbine_table import read_turbine_table
 from model.system.turbine import TurbineMatrices, TurbineStructure
+from model.system.turbine_table import TurbineTable, turbine_at
 
 GRAVITY = 9.80665
-_ARRAYS = ("force", "mass", "damping", "stiffness", "wind_force")
+MATRICES = "turbine.json"
 
 
 def reference_folder(name: str) -> Path:
@@ -28,10 +28,9 @@ def turbine_folder() -> Path:
 
 
 @lru_cache(maxsize=1)
-def _table() -> tuple[list[dict], tuple[str, ...]]:
-    data = json.loads((turbine_folder() / "turbine.json").read_text(encoding="utf-8"))
-    points = [{k: np.array(v) if k in _ARRAYS else v for k, v in row.items()} for row in data["operating_points"]]
-    return points, tuple(data["degrees_of_freedom"])
+def ten_megawatt_table() -> TurbineTable:
+    """Return the matrices of the DTU 10 MW turbine at all its operating points."""
+    return read_turbine_table(turbine_folder() / MATRICES)
 
 
 def ten_megawatt(wind_speed: float = 0.0) -> TurbineMatrices:
@@ -40,31 +39,17 @@ def ten_megawatt(wind_speed: float = 0.0) -> TurbineMatrices:
     Between the operating points of every whole m/s matrices are interpolated linearly; between 11 and 12 m/s, about rated, the
     blades start to pitch and the turbine changes most. Rigid blades, constant rotor speed. Raises ModelError elsewhere.
     """
-    points, dofs = _table()
-    speeds = np.array([p["wind_speed"] for p in points], dtype=float)
-    if wind_speed != 0 and not speeds[1] <= wind_speed <= speeds[-1]:
-        raise ModelError(
-            f"the wind speed is {wind_speed:g} m/s; the 10 MW turbine has data at 0 (parked) and {speeds[1]:g} to {speeds[-1]:g} m/s"
-        )
-    high = int(np.searchsorted(speeds, wind_speed))
-    low = high if speeds[high] == wind_speed else high - 1
-    share = 0.0 if low == high else (wind_speed - speeds[low]) / (speeds[high] - speeds[low])
-
-    def between(name):
-        return (1 - share) * points[low][name] + share * points[high][name]
-
-    return TurbineMatrices(
-        dofs=dofs, mass=between("mass"), damping=between("damping"), stiffness=between("stiffness"),
-        force=np.append(between("force"), 0.0), point=np.append(np.zeros(6), between("tower_top")), wind_force=between("wind_force"),
-        wind_speed=wind_speed, rotor_speed=between("rotor_rpm") * np.pi / 30,
-        source="DTU 10 MW, OpenFAST linearisation" + ("" if low == high else f", between {speeds[low]:g} and {speeds[high]:g} m/s"),
-    )  # fmt: skip
+    try:
+        return turbine_at(ten_megawatt_table(), wind_speed)
+    except ValueError as error:
+        raise ModelError(str(error)) from None
 
 
 def operating_points() -> list[dict]:
     """Return wind speed [m/s], rotor speed [rpm], blade pitch [deg] and rotor thrust [kN], as tabulated and as linearised."""
     names = ("wind_speed", "rotor_rpm", "pitch_deg", "thrust_table_kN", "rotor_thrust_kN")
-    return [{n: p[n] for n in names} for p in _table()[0]]
+    points = json.loads((turbine_folder() / MATRICES).read_text(encoding="utf-8"))["operating_points"]
+    return [{n: p[n] for n in names} for p in points]
 
 
 @lru_cache(maxsize=1)

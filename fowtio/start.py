@@ -21,11 +21,17 @@ def embedded_folder() -> Path:
         return Path(folder)
 
 
-def copy_embedded_case(folder: Path) -> Path:
-    """Copy the embedded case into a new or empty folder and return its study file; raise FowtioError otherwise."""
+def require_empty(folder: str | Path) -> Path:
+    """Return a folder that is new or empty; raise FowtioError otherwise."""
     folder = Path(folder)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise FowtioError(f"{folder} exists and is not empty; name a new folder")
+    return folder
+
+
+def copy_embedded_case(folder: Path) -> Path:
+    """Copy the embedded case into a new or empty folder and return its study file; raise FowtioError otherwise."""
+    folder = require_empty(folder)
     source = embedded_folder()
     staging = folder.parent / f".{folder.name}.partial"
     shutil.rmtree(staging, ignore_errors=True)

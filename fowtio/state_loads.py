@@ -184,11 +184,11 @@ def _sea(table: StateTable, k: int, gamma: float | None) -> SeaState:
 
 def _point_speeds(case: Case, table: StateTable) -> tuple[np.ndarray, list[str]]:
     """Return the wind speed (s) of each state's operating point, 0 for parked ones, and notes."""
-    known = sorted(e.wind_speed for e in case.linearisations if e.wind_speed > 0)
+    known = case.wind_speeds
     runs = table.operating > 0
     if runs.any() and not known:
         raise ModelError(
-            f"{case.path}: the turbine runs in {int(runs.sum())} states, but the study has no linearisation at a wind speed"
+            f"{case.path}: the turbine runs in {int(runs.sum())} states, but the study names no turbine at a wind speed (linearisations or TurbineFile)"
         )
     speeds = np.round(table.wind_speed / SPEED_STEP) * SPEED_STEP
     notes = []

@@ -131,12 +131,12 @@ def contour_search(
 
     Raises ModelError for a channel that the study does not have, or when no operating point lies on the contour.
     """
-    known = sorted(e.wind_speed for e in case.linearisations if e.wind_speed > 0)
+    known = case.wind_speeds
     low, high = _reached(site, return_period)
     speeds = [s for s in known if low < s < high and site.cut_in <= s <= site.cut_out]
     if not speeds:
         raise ModelError(
-            f"no linearisation of the study lies on the contour ({low:.3g} to {high:.3g} m/s at hub height)"
+            f"no wind speed of the study's turbine lies on the contour ({low:.3g} to {high:.3g} m/s at hub height)"
         )
     beta = reliability_index(return_period, site.state_duration)
     centre, half = np.zeros(len(speeds)), np.full(len(speeds), np.pi)

@@ -45,6 +45,7 @@ from model.system.identified import SecondOrder, has_load_inputs, second_order
 from model.system.linearisation import Linearisation
 from model.system.tower import TOWER_MODES, top_place, tower_modes
 from model.system.turbine import TurbineMatrices, TurbineStructure, gradient_forces, head_motion, structural_matrices
+from model.system.turbine_table import turbine_at
 
 SAME_SPEED = 0.05  # m/s
 STRETCHED = 0.02  # strain of a line above which a note is due; chain and wire break below it
@@ -265,6 +266,8 @@ def _turbine(case: Case, deck: Deck, dofs: Sequence[str], speed: float) -> tuple
     near = next((e for s, e in entries.items() if abs(s - speed) < SAME_SPEED), None)
     if near is not None:
         return _linearised_turbine(near, deck, dofs)
+    if case.turbine is not None and case.turbine.table.covers(speed):
+        return _kept(turbine_at(case.turbine.table, speed), dofs), (), []
     if speed == 0:
         modes = tuple(d for d in deck.elastodyn.dofs if d in TOWER_MODES) if dofs is None else tuple(d for d in dofs if d in TOWER_MODES)
         note = "parked turbine from the deck's structural data; blades rigid, no air"
@@ -301,12 +304,15 @@ def _linearised_turbine(
             found, held, gravity=made_by.gravity, source=_span(entry.files), rigid_mass=rigid,
             hub_motion=_hub_motion(structure, found.dofs),
         )  # fmt: skip
-        if dofs is not None:
-            keep = [d for d in turbine.dofs if d in dofs or d in PLATFORM_DOFS + TOWER_MODES]
-            turbine = condense(turbine, keep)
+        turbine = _kept(turbine, dofs)
     except ValueError as error:
         raise ModelError(str(error)) from None
     return replace(turbine, wind_speed=entry.wind_speed), held, note
+
+
+def _kept(turbine: TurbineMatrices, dofs: Sequence[str] | None) -> TurbineMatrices:
+    """Return a turbine whose blades and drivetrain follow statically unless they are among the degrees of freedom (None: all are)."""
+    return turbine if dofs is None else condense(turbine, [d for d in turbine.dofs if d in dofs or d in PLATFORM_DOFS + TOWER_MODES])
 
 
 def _deck_of(entry: LinearisationEntry, deck: Deck) -> tuple[Deck, list[str]]:

@@ -59,6 +59,7 @@ MODULES = (
     "moordyn",
     "map",
     "rotor_table",
+    "turbine_table",
     "wamit",
     "wamit_extra",
     "wamit_out",

@@ -31,6 +31,7 @@ from fowtio.write.quantities import (
     tension_channels,
     worth_drawing,
 )
+from fowtio.write.scene import model_scene, scene_drawing
 from fowtio.write.style import (
     BLUE,
     COLOURS,
@@ -78,6 +79,7 @@ def _drawings(model, loads: Sequence) -> Iterator[Drawing]:
     for item in loads:
         yield spectra(item, (*MOTIONS, *NACELLE), "motions", "motions")
         yield spectra(item, (*TOWER_BASE, *_tensions(item)), "loads", "tower base and moorings")
+    yield scene_drawing(model_scene(model))
     yield hull(model)
     if model.deck.mooring is not None:
         yield mooring_layout(model)

@@ -43,6 +43,7 @@ def input_files(model) -> list[Path]:
         if entry.deck is not None:
             deck = read_deck(entry.deck)
             files += [*deck.files, *_coefficients(deck)]
+    files += [entry.path for entry in (case.turbine, case.rotor) if entry is not None]
     for reference in case.references:
         files += reference.files
     return list({Path(os.path.abspath(f)): None for f in files if Path(f).is_file()})

@@ -55,7 +55,7 @@ def write_report(
 def report(model, loads: Sequence, pictures: Sequence[Picture] = (), extra_sections: Sequence[Section] = ()) -> str:
     """Return the report as HTML; extra_sections stand before conventions and provenance."""
     sections = [
-        _model_section(model), _periods_section(model, loads), _rao_section(pictures),
+        _model_section(model, pictures), _periods_section(model, loads), _rao_section(pictures),
         *(_state_section(item, pictures) for item in loads), _mooring_section(model, loads, pictures),
         _hull_section(model, pictures),
         *extra_sections, _conventions_section(), _provenance_section(model),
@@ -158,12 +158,12 @@ def description(model) -> Table:
     return Table(name="description", title="Main data", columns=columns, rows=texts)
 
 
-def _model_section(model) -> Section:
+def _model_section(model, pictures) -> Section:
     notes = "".join(f"<li>{_escaped(n)}</li>" for n in tables.notes(model))
     held = tuple(t for p in model.points if (t := tables.contained(p)) is not None)
     return Section(
         title="Model", fold=held,
-        content=(description(model), *map(tables.contributions, model.points), f"<h3>Assumptions</h3><ul>{notes}</ul>"),
+        content=(*(p for p in pictures if p.group == "system"), description(model), *map(tables.contributions, model.points), f"<h3>Assumptions</h3><ul>{notes}</ul>"),
     )  # fmt: skip
 
 

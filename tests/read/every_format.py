@@ -10,6 +10,7 @@ from test_fast7 import SAMPLE as FAST7_TEXT
 from test_map import SAMPLE as MAP_TEXT
 from test_moordyn import V1, V2
 from test_rotor_table import text as rotor_text
+from test_turbine_table import text as turbine_text
 from test_wamit_extra import out_text
 
 from fowtio.read.openfast_out import TimeSeries
@@ -53,6 +54,7 @@ def _texts(folder: Path) -> dict[str, Path]:
         "MOORDYN": V2,
         "MOORDYN 1": V1,
         "ROTOR_TABLE": rotor_text(),
+        "TURBINE_TABLE": turbine_text(),
         "OPENFAST_OUT": OUT_TEXT,
         "METOCEAN": CSV,
         "SERIES_CSV": SERIES_CSV,

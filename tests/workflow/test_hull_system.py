@@ -5,11 +5,11 @@ import pytest
 
 import fowtio
 from fowtio.database import embedded_path, read_database
-from fowtio.errors import ModelError
+from fowtio.errors import CaseError, FowtioError, ModelError
 from fowtio.hull_deck import set_values
-from fowtio.hull_references import semi_designs
+from fowtio.hull_references import semi_designs, start_reference
 from fowtio.hull_system import SemiDesign, design_deck, semi_hydro, semi_system, thesis_hull
-from fowtio.hull_turbine import carried, operating_points, ten_megawatt, ten_megawatt_structure
+from fowtio.hull_turbine import carried, operating_points, reference_folder, ten_megawatt, ten_megawatt_structure
 from model.response.assemble import equilibrium, natural_modes
 from model.system.turbine import structural_matrices
 
@@ -79,6 +79,44 @@ def test_a_written_study_is_the_same_system(tmp_path, database):
         k, j = modes.names.index(name), deck.names.index(name)
         assert deck.frequency[j] == pytest.approx(modes.frequency[k], rel=3e-3), name
     assert model.at(0.0).system.drag.factor.sum() == pytest.approx(ours.drag.factor.sum(), rel=1e-3)
+
+
+@pytest.mark.parametrize("speed", [11.4, 25.0])
+def test_a_written_study_runs_in_wind(tmp_path, database, speed):
+    semi = design()
+    hydro = semi_hydro(semi.floating(), semi.depth, database=database)
+    study = design_deck(semi, tmp_path / "study", title="a test", hydro=hydro)
+    case = fowtio.load(study)
+    assert {s.wind_speed for s in case.states} == {0.0, 11.4, 25.0}
+    point = fowtio.build(case, speeds=[speed]).at(speed)
+    assert np.array_equal(point.turbine.damping, ten_megawatt(speed).damping)
+    mean = equilibrium(semi_system(semi, speed, hydro=hydro))
+    # the deck's digits (six) and its strips of other length: 1e-3 of surge and pitch
+    for k in (0, 4):
+        assert point.mean.offset[k] == pytest.approx(mean.offset[k], rel=1e-3)
+    # thrust times its height over the restoring moment: pitch follows the thrust of table 27 (1.66 and 0.69 MN) within its nonlinearity
+    assert np.degrees(point.mean.offset[4]) == pytest.approx({11.4: 1.65, 25.0: 0.6}[speed], rel=0.2)
+
+
+def test_wind_outside_the_turbines_table_is_refused(tmp_path, database):
+    semi = design()
+    states = (("fast", 26.0, "B", "jonswap", 7.0, 12.0), ("slow", 2.0, "B", "jonswap", 1.0, 6.0))
+    hydro = semi_hydro(semi.floating(), semi.depth, database=database)
+    study = design_deck(semi, tmp_path / "study", title="a test", hydro=hydro, states=states)
+    with pytest.raises(CaseError, match=r"26 m/s(.|\n)*2 m/s"):
+        fowtio.load(study)
+
+
+@pytest.mark.parametrize("name", ["semi_10mw", "table31", "oc3_spar", "iti_barge"])
+def test_reference_studies_are_written_anywhere(tmp_path, name):
+    case = fowtio.load(start_reference(name, tmp_path / "study"))
+    ours = fowtio.build(case, speeds=[11.0])
+    folder = reference_folder(f"thesis_optima/{name}" if name.startswith("table") else name)
+    stored = fowtio.build(fowtio.load(next(folder.glob("*.fowt"))), speeds=[11.0])
+    for a, b in zip(ours.at(11.0).modes.frequency, stored.at(11.0).modes.frequency, strict=True):
+        assert a == pytest.approx(b, rel=1e-4)  # what is stored was written from the same definitions
+    with pytest.raises(FowtioError, match="not empty"):
+        start_reference(name, tmp_path / "study")
 
 
 def test_coefficients_of_the_database_are_physical(database):
