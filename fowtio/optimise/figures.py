@@ -237,33 +237,41 @@ def hulls(findings: Findings) -> Drawing:
     one = [_hull_of(d) for d in shown]
     reach = 1.14 * max(float(h.radius + h.plate_diameter / 2) for h in one)
     keel, top = max(float(h.draft) for h in one) + 9.0, max(float(h.column_freeboard) for h in one) + 9.0
-    width = 11.0
-    wide = (width - 0.92 - 0.3 * (len(shown) - 1)) / len(shown)
-    wide = min(wide, 3.6)
-    figure, axes = grid(2, len(shown), width=0.92 + wide * len(shown) + 0.3 * (len(shown) - 1), height=wide, ratios=(1.0, (keel + top) / (2 * reach)), gaps=(0.3,), top=0.62, between=0.3)
-    for k, (d, h, colour) in enumerate(zip(shown, one, (DESIGN_COLOURS[i % len(DESIGN_COLOURS)] for i in range(len(shown))), strict=True)):
-        plan, side = axes[:, k]
+    across = min(len(shown), 5)
+    rows, wide = -(-len(shown) // across), min((10.08 - 0.3 * (across - 1)) / across, 3.6)
+    figure, axes = grid(
+        2 * rows, across, width=0.92 + wide * across + 0.3 * (across - 1), height=wide, ratios=(1.0, (keel + top) / (2 * reach)), gaps=(0.3, 0.95), top=0.62,
+        between=0.3,
+    )  # fmt: skip
+    for ax in axes[-2:, len(shown) - across * (rows - 1):].ravel():
+        ax.remove()
+    for k, (d, h) in enumerate(zip(shown, one, strict=True)):
+        plan, side = axes[2 * (k // across) : 2 * (k // across) + 2, k % across]
+        colour = DESIGN_COLOURS[k % len(DESIGN_COLOURS)]
         _draw_plan(plan, h, colour)
         _draw_side(side, h, colour)
         for profile in _profiles(d, None)[0]:
             plan.plot(profile[:, 0], profile[:, 1], color=INK, lw=0.9)
             side.plot(profile[:, 0], profile[:, 2], color=INK, lw=0.9)
-        plan.set(xlim=(-reach, reach), ylim=(-reach, reach))
-        side.set(xlim=(-reach, reach), ylim=(-keel, top))
-        for ax in (plan, side):
-            ax.grid(False)
-            ax.xaxis.set_major_locator(MaxNLocator(5))
-            ax.yaxis.set_major_locator(MaxNLocator(5 if ax is plan else 4))
-            if k:
-                ax.set_yticklabels([])
-        plan.set_xticklabels([])
-        side.set_xlabel("x [m]")
-        size = f"d {float(h.diameter):.1f}, r {float(h.radius):.1f}, draft {float(h.draft):.1f} m"
-        plan.set_title(f"{d.label}\n{size}", fontsize=8.5)
-    axes[0, 0].set_ylabel("y [m]")
-    axes[1, 0].set_ylabel("z [m]")
+        _hull_axes(plan, side, reach, keel, top, first=k % across == 0)
+        plan.set_title(f"{d.label}\nd {float(h.diameter):.1f}, r {float(h.radius):.1f}, draft {float(h.draft):.1f} m", fontsize=8.5 if across < 5 else 7.5)
     caption = "From above and from the side, all to one scale; waves and wind along x. Lines at rest."
     return Drawing(name="hulls", group="designs", title="Hulls of the optima beside the reference", caption=caption, figure=figure)
+
+
+def _hull_axes(plan, side, reach: float, keel: float, top: float, *, first: bool) -> None:
+    """Give plan and side view the scale of all, labels in the first column alone."""
+    plan.set(xlim=(-reach, reach), ylim=(-reach, reach))
+    side.set(xlim=(-reach, reach), ylim=(-keel, top), xlabel="x [m]")
+    for ax, name, ticks in ((plan, "y [m]", 5), (side, "z [m]", 4)):
+        ax.grid(False)
+        ax.xaxis.set_major_locator(MaxNLocator(4))
+        ax.yaxis.set_major_locator(MaxNLocator(ticks))
+        if first:
+            ax.set_ylabel(name)
+        else:
+            ax.set_yticklabels([])
+    plan.set_xticklabels([])
 
 
 def _hull_of(shown: Shown) -> SemiHull:
@@ -365,7 +373,7 @@ def costs(findings: Findings) -> Drawing:
     for place, total in zip(x, base, strict=True):
         ax.text(place, total + 0.01 * base.max(), f"{total:.2f}", ha="center", va="bottom", fontsize=8)
     ax.set_xticks(x)
-    ax.set_xticklabels([d.label for d in shown])
+    ax.set_xticklabels([d.label.replace(", ", ",\n") for d in shown])
     ax.set_ylabel("Cost [M€]")
     ax.set_ylim(0, 1.1 * base.max())
     ax.set_xlim(-0.6, len(shown) - 0.4)

@@ -189,26 +189,26 @@ def _optimum_difference(result, findings, name: str, group) -> list[str]:
     stage, shown, out = result.stages[name], findings.shown[name], []
     for f in group:
         p = f.published
-        moved = [f"{DIMENSION_LABELS[d].lower()} {shown.design[k]:.4g} m here, {p.design[k]:.4g} m published" for k, d in enumerate(DIMENSIONS)
-                 if abs(shown.design[k] - p.design[k]) > 1e-6]  # fmt: skip
+        moved = [f"{DIMENSION_LABELS[d].lower()} {shown.design[k]:.4g} m here, {f.design[k]:.4g} m published" for k, d in enumerate(DIMENSIONS)
+                 if abs(shown.design[k] - f.design[k]) > 1e-6]  # fmt: skip
         out.append(f"Stage {name}, optimum: {'; '.join(moved) or 'the published design'}.")
         objective = stage.stage.objectives[0]
         change = percent(shown.value(objective), f.values.get(objective))
         if change is not None:
             out.append(f"Stage {name}: {label(objective).lower()} of our optimum {_signed(change)} from that of published design {p.name}, both evaluated here.")
-        ours, theirs = shown.slack, float(slack_of(result.setting, p.design[None])[0])
+        ours, theirs = shown.slack, float(slack_of(result.setting, f.design[None])[0])
         word = "slacker" if ours > theirs else "tauter"
-        out.append(f"Stage {name}: line over straight distance {ours:.4f} here, {theirs:.4f} in published design {p.name}: lines {word} here.{_slack_before(result, name)}{_slack_effect(result, findings, name)}")
+        out.append(f"Stage {name}: line over straight distance {ours:.4f} here, {theirs:.4f} in published design {p.name}: lines {word} here.{_slack_before(result, findings, name)}{_slack_effect(result, findings, name)}")
     return out
 
 
-def _slack_before(result: OptimisationResult, name: str) -> str:
+def _slack_before(result: OptimisationResult, findings: Findings, name: str) -> str:
     """Return how taut the picks are from which a reduced space came."""
     kind, _, of = result.stages[name].stage.space.partition(":")
     if kind != "reduced" or not len(result.stages[of].picks):
         return ""
     slack = slack_of(result.setting, result.stages[of].archive.designs[result.stages[of].picks])
-    listed = np.array([p.design for p in result.study.published if p.stage == of])
+    listed = np.array([f.design for f in findings.published if f.published.stage == of])
     theirs = slack_of(result.setting, listed) if len(listed) else None
     text = f" Picks of stage {of}: {slack.min():.4f} to {slack.max():.4f} here"
     return text + (f", {theirs.min():.4f} to {theirs.max():.4f} published." if theirs is not None else ".")
@@ -354,4 +354,4 @@ def _published_json(result: OptimisationResult, found: Findings, f) -> dict:
     for n, printed in p.values.items():
         change = percent(f.values[n], printed)
         values[n] = {"here": si(n, f.values[n]), "printed": si(n, printed), "relative_difference": None if change is None else change / 100}
-    return {"name": p.name, "stage": p.stage, **_dimensions(p.design), "values": values, "relative": relative, "broken": [why((b,)) for b in f.broken]}
+    return {"name": p.name, "stage": p.stage, **_dimensions(f.design), "values": values, "relative": relative, "broken": [why((b,)) for b in f.broken]}

@@ -68,11 +68,12 @@ class Sensitivity:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PublishedFinding:
-    """A published design evaluated here: quantities by name in the units that people see (NaN where it did not get so far), and the
+    """A published design evaluated here: dimensions (5) [m] with what it leaves open as the stage's space holds it, quantities by name in the units that people see (NaN where it did not get so far), and the
     constraints of its stage that it breaks here, or a sentence why it cannot be judged.
     """
 
     published: Published
+    design: np.ndarray
     values: dict[str, float]
     broken: tuple[Constraint | str, ...]
 
@@ -190,9 +191,10 @@ def published_findings(result: OptimisationResult) -> tuple[PublishedFinding, ..
         stage, group = result.stages[name], [p for p in listed if p.stage == name]
         wanted = [q for p in group for q in p.values] + list(stage.stage.objectives) + [c.quantity for c in stage.constraints]
         wanted += relative_objectives(result)
-        found = judged(result, np.stack([p.design for p in group]), wanted)
+        designs = stage.space.completed(np.stack([p.design for p in group]))
+        found = judged(result, designs, wanted)
         out += [
-            PublishedFinding(published=p, values=dict(zip(found.names, found.values[k].tolist(), strict=True)), broken=broken(stage.constraints, found, k))
+            PublishedFinding(published=p, design=designs[k], values=dict(zip(found.names, found.values[k].tolist(), strict=True)), broken=broken(stage.constraints, found, k))
             for k, p in enumerate(group)
         ]
     return tuple(out)

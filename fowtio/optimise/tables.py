@@ -279,7 +279,7 @@ def relative_table(result: OptimisationResult, findings: Findings) -> Table | No
         columns += [Column(name=f"f{k + 1} {text}", decimals=3) for text in ("here", "same base", "printed")]
     columns.append(Column(name="Constraints here"))
     rows = tuple(
-        (f.published.name, f.published.stage, *f.published.design.tolist(), *(v for n in pairs for v in relative_of(result, findings, f, n)), why(f.broken) or "kept")
+        (f.published.name, f.published.stage, *f.design.tolist(), *(v for n in pairs for v in relative_of(result, findings, f, n)), why(f.broken) or "kept")
         for f in findings.published
     )
     what = "; ".join(f"f{k + 1}: {label(n).lower()} over that of stage {base}" for k, (n, base) in enumerate(pairs.items()))
@@ -323,7 +323,7 @@ def beside_table(result: OptimisationResult, findings: Findings) -> Table | None
         rows.append((name, "optimum here", *shown.design.tolist(), shown.slack, *(shown.value(n) for n in names)))
         for f in (f for f in findings.published if f.published.stage == name):
             p = f.published
-            slack = float(slack_of(result.setting, p.design[None])[0])
-            rows.append((name, f"{p.name}, evaluated here", *p.design.tolist(), slack, *(_number(f.values.get(n, np.nan)) for n in names)))
-            rows.append((name, f"{p.name}, printed", *p.design.tolist(), slack, *(p.values.get(n) for n in names)))
+            slack = float(slack_of(result.setting, f.design[None])[0])
+            rows.append((name, f"{p.name}, evaluated here", *f.design.tolist(), slack, *(_number(f.values.get(n, np.nan)) for n in names)))
+            rows.append((name, f"{p.name}, printed", *f.design.tolist(), slack, *(p.values.get(n) for n in names)))
     return Table(name="beside", title="Our optima beside the published ones", columns=columns, rows=tuple(rows), note=state_note(names))
