@@ -139,11 +139,11 @@ def in_chunks(evaluate_chunk: Callable[[np.ndarray], Evaluation], designs: np.nd
 
 def failed_constraints(archive: Archive, constraints: Sequence[Constraint] = ()) -> list[tuple[str, int]]:
     """Return what designs failed at first and how many, the most frequent first; constraints are told with their limits."""
-    bounds = {c.quantity: f"{c.quantity} {c.relation} {c.limit:.4g}" for c in constraints}
+    bounds = {(c.quantity, f"{c.relation} {c.limit:.4g}"): f"{c.quantity} {c.relation} {c.limit:.4g}" for c in constraints}
     counts: dict[str, int] = {}
     for text in archive.reason:
         if text:
-            quantity = text.split(" ")[0]
-            key = bounds.get(quantity, quantity) if " is not " in text else re.sub(r"-?\d[\d.e+-]*", "..", text)
+            quantity, bound = text.split(" ")[0], " ".join(text.partition(" is not ")[2].split(" ")[:2])
+            key = bounds.get((quantity, bound), quantity) if bound else re.sub(r"-?\d[\d.e+-]*", "..", text)
             counts[key] = counts.get(key, 0) + 1
     return sorted(counts.items(), key=lambda kv: -kv[1])
