@@ -25,6 +25,8 @@ _PUBLIC = {
     "contour_study": "fowtio.contour_study",
     "fatigue_study": "fowtio.fatigue_study",
     "cost_study": "fowtio.cost_study",
+    "load_optimisation": "fowtio.optimise.study",
+    "optimise": "fowtio.optimise.run",
     "write_results": "fowtio.write.results",
     "FowtioError": "fowtio.errors",
     "FormatError": "fowtio.errors",

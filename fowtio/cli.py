@@ -459,6 +459,26 @@ def cost(
         site_report.show_cost(study, files)
 
 
+@app.command("optimise")
+def optimise_command(
+    study: Annotated[str, typer.Argument(help="optimisation file (.opt), or name of one that comes with fowtio", show_default=False)],
+    out: OUT = None,
+    stage: Annotated[list[str] | None, typer.Option(help="only this stage and those it builds on; may be given again", show_default=False)] = None,
+    jobs: Annotated[int, typer.Option(help="threads")] = 2,
+    dask: Annotated[str | None, typer.Option(help="address of a Dask scheduler, host:port", show_default=False)] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="forget the history in the folder")] = False,
+    fmu: Annotated[bool, typer.Option("--fmu", help="also build the FMUs of the designs found")] = False,
+    figures: Annotated[bool, typer.Option(help="draw figures")] = True,
+    json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
+) -> None:  # fmt: skip
+    """Search hull and moorings stage by stage; report, history, and the optima as studies with their decks (needs the extra design)."""
+    from fowtio.optimise.command import run_study
+
+    run_study(
+        study, out, stage or [], jobs=jobs, cluster=dask, fresh=fresh, fmu=fmu, figures=figures, as_json=_print_json if json else None, quiet=quiet
+    )
+
+
 @app.command()
 def fmu(
     case: CASE,
