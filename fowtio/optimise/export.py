@@ -42,6 +42,7 @@ def export_design(result: OptimisationResult, name: str, design: np.ndarray, fol
         hertz = "\n".join(plain(f) for f in setting.omega / (2 * np.pi))
         (inside / "input" / "frequencies.txt").write_text(f"! frequencies of the search [Hz]\n{hertz}\n", encoding="utf-8")
         study.write_text(_study(result, name, design), encoding="utf-8")
+        (inside / "hull.toml").write_text(_hull_file(setting, name, batch), encoding="utf-8")
     return folder / f"{name}.fowt"
 
 
@@ -106,6 +107,27 @@ Name          WindSpeed  Turbulence  Spectrum     Hs        Tp    Gamma  WaveDir
 "hydrostatic"    LowFreqExctn  - excitation below the data: hold (lowest value, as HydroDyn) or hydrostatic (its limit)
 {plain(result.setting.duration):<16} Duration      - time that expected extremes are given for (s)
 {noise}END of study
+"""
+
+
+def _hull_file(setting: Setting, name: str, batch: Batch) -> str:
+    """Return the hull for `fowtio bem`, which solves it afresh."""
+    hull = batch.hull
+    rows = [f"{n} = {plain(np.ravel(getattr(hull, n))[0])}" for n in ("diameter", "radius", "draft", "plate_ratio", "plate_height", "central_diameter")]
+    return f"""# the hull of {name}, found by fowtio optimise; without pontoons and braces, as in the database of hulls
+title = "{name}"
+kind = "semi"
+{chr(10).join(rows)}
+
+[bem]
+depth = {float(setting.depth)}
+frequency_low = 0.05
+frequency_high = 2.1
+frequency_count = 42
+headings = [0.0]
+panel_size = 6.0
+around = 14
+braces = false
 """
 
 
