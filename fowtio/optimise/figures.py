@@ -203,7 +203,7 @@ def sensitivity(result: OptimisationResult, findings: Findings, name: str) -> Dr
     moved, objective = findings.sensitivities[name], result.stages[name].stage.objectives[0]
     figure, axes = grid(1, len(moved), width=11.0, height=2.3, top=0.75, between=0.32)
     changes = [100 * s.change(objective) for s in moved]
-    low, high = _shown_range(np.concatenate(changes))
+    low, high = shown_range(np.concatenate(changes))
     blocked = set()
     for k, (ax, s, change) in enumerate(zip(axes[0], moved, changes, strict=True)):
         kept = np.array([not b for b in s.broken])
@@ -212,9 +212,9 @@ def sensitivity(result: OptimisationResult, findings: Findings, name: str) -> Dr
         ax.plot(s.value[~kept], change[~kept], ls="", marker="o", ms=5, mfc="white", mec=ORANGE, zorder=3)
         ax.plot(s.value[s.step == 0], change[s.step == 0], ls="", marker="o", ms=8, color=INK, zorder=4)
         ax.set_ylim(low, high)
-        for x, y in zip(s.value, change, strict=True):
-            if not low <= y <= high:
-                ax.annotate(f"{y:+.0f} %".replace("-", "−"), (x, high if y > high else low), xytext=(4, -10 if y > high else 4), textcoords="offset points", fontsize=7.5)
+        beyond = [f"{y:+.0f} %".replace("-", "−") for y in change if np.isfinite(y) and not low <= y <= high]
+        if beyond:
+            ax.text(0.97, 0.97, "beyond: " + ", ".join(beyond), transform=ax.transAxes, ha="right", va="top", fontsize=7.5, bbox={"fc": "white", "ec": "none", "pad": 1.5})
         ax.set_title(DIMENSION_LABELS[s.variable.name], fontsize=8.5)
         ax.set_xlabel("[m]" if s.variable.relative_to is None else f"less {lowered(DIMENSION_LABELS[s.variable.relative_to])} [m]")
         ax.set_xlim(s.value[s.step == 0][0] - 3.4 * s.variable.spacing, s.value[s.step == 0][0] + 3.4 * s.variable.spacing)
@@ -231,8 +231,8 @@ def sensitivity(result: OptimisationResult, findings: Findings, name: str) -> Dr
     return Drawing(name=f"sensitivity_{name}", group=name, title=f"Stage {name}: every variable moved alone", caption=caption, figure=figure)
 
 
-def _shown_range(values) -> tuple[float, float]:
-    """Return limits that show all values but single ones far off."""
+def shown_range(values) -> tuple[float, float]:
+    """Return limits that show all values but a few far off: those beyond four times what nine of ten keep to."""
     values = values[np.isfinite(values)]
     far = max(4 * np.percentile(np.abs(values), 90), 0.05)
     low, high = max(values.min(), -far), min(values.max(), far)

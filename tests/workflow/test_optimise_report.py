@@ -9,6 +9,7 @@ import pytest
 from openpyxl import load_workbook
 
 from fowtio.optimise import tables
+from fowtio.optimise.figures import shown_range
 from fowtio.optimise.report import (
     assumptions,
     differences,
@@ -186,6 +187,16 @@ def test_sensitivity_statement_names_what_hardly_matters(result, findings):
         slightly = bool(re.search(rf"(^|; ){tables.lowered(tables.variable_label(s.variable))} \(", slight))
         assert slightly == (np.nanmax(np.abs(change)) < 0.5)
         assert bool(re.search(rf" with {tables.lowered(tables.variable_label(s.variable))}", much)) != slightly
+
+
+def test_far_values_do_not_flatten_the_figure():
+    near = np.linspace(-1.0, 2.0, 29)
+    low, high = shown_range(near)
+    assert low < -1.0
+    assert 2.0 < high < 3.0
+    low, high = shown_range(np.append(near, 195.0))
+    assert low < -1.0
+    assert 2.0 < high < 195.0
 
 
 def test_slack_is_line_over_straight_distance(result):
