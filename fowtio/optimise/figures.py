@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from fowtio.optimise.run import OptimisationResult, StageResult, relative_values
 from fowtio.optimise.sensitivity import Findings, Shown, relative_objectives, slack_of
-from fowtio.optimise.tables import DIMENSION_LABELS, bound, label, relative_of, unit
+from fowtio.optimise.tables import DIMENSION_LABELS, bound, label, lowered, relative_of, said, unit
 from fowtio.write.style import AMBER, BLUE, COLOURS, GREEN, GREY, INK, ORANGE, SKY, Drawing, grid, legend
 from model.design.evaluate import cost_account
 from model.design.hull import AZIMUTHS, SemiHull, brace_lines
@@ -19,7 +19,6 @@ from model.design.space import DIMENSIONS
 from model.system.mooring import line_profiles
 
 SEABED = "#8C6D46"
-DESIGN_COLOURS = (GREY, *COLOURS)
 
 
 def drawings(result: OptimisationResult, findings: Findings) -> Iterator[Drawing]:
@@ -89,7 +88,7 @@ def variables(result: OptimisationResult, name: str) -> Drawing:
     for k, objective in enumerate(names):
         rows = [(n, r) for n, r in enumerate(bests(stage, objective), start=1) if r is not None]
         x, designs, colour = [n for n, _ in rows], a.designs[[r for _, r in rows]], COLOURS[k % len(COLOURS)]
-        of = f"least {label(objective, False).split(',')[0].lower()}" if len(names) > 1 else "best design"
+        of = f"least {lowered(label(objective, False).split(',')[0])}" if len(names) > 1 else "best design"
         for d, ax in enumerate(axes[0]):
             handles[of] = ax.plot(x, designs[:, d if d < 3 else 4], color=colour, marker="o", ms=4)[0]
         straight = designs[:, 4] / slack_of(result.setting, designs)
@@ -204,9 +203,7 @@ def sensitivity(result: OptimisationResult, findings: Findings, name: str) -> Dr
     moved, objective = findings.sensitivities[name], result.stages[name].stage.objectives[0]
     figure, axes = grid(1, len(moved), width=11.0, height=2.3, top=0.75, between=0.32)
     changes = [100 * s.change(objective) for s in moved]
-    flat = np.concatenate(changes)
-    low, high = np.nanmin(flat), np.nanmax(flat)
-    edge = 0.1 * max(high - low, 0.05)
+    low, high = shown_range(np.concatenate(changes))
     blocked = set()
     for k, (ax, s, change) in enumerate(zip(axes[0], moved, changes, strict=True)):
         kept = np.array([not b for b in s.broken])
@@ -214,9 +211,12 @@ def sensitivity(result: OptimisationResult, findings: Findings, name: str) -> Dr
         ax.plot(s.value[kept], change[kept], ls="", marker="o", ms=5, color=BLUE, zorder=3)
         ax.plot(s.value[~kept], change[~kept], ls="", marker="o", ms=5, mfc="white", mec=ORANGE, zorder=3)
         ax.plot(s.value[s.step == 0], change[s.step == 0], ls="", marker="o", ms=8, color=INK, zorder=4)
-        ax.set_ylim(low - edge, high + edge)
+        ax.set_ylim(low, high)
+        beyond = [f"{y:+.0f} %".replace("-", "−") for y in change if np.isfinite(y) and not low <= y <= high]
+        if beyond:
+            ax.text(0.97, 0.97, "beyond: " + ", ".join(beyond), transform=ax.transAxes, ha="right", va="top", fontsize=7.5, bbox={"fc": "white", "ec": "none", "pad": 1.5})
         ax.set_title(DIMENSION_LABELS[s.variable.name], fontsize=8.5)
-        ax.set_xlabel("[m]" if s.variable.relative_to is None else f"less {DIMENSION_LABELS[s.variable.relative_to].lower()} [m]")
+        ax.set_xlabel("[m]" if s.variable.relative_to is None else f"less {lowered(DIMENSION_LABELS[s.variable.relative_to])} [m]")
         ax.set_xlim(s.value[s.step == 0][0] - 3.4 * s.variable.spacing, s.value[s.step == 0][0] + 3.4 * s.variable.spacing)
         ax.xaxis.set_major_locator(MaxNLocator(4))
         ax.yaxis.set_major_locator(MaxNLocator(5))
@@ -226,9 +226,18 @@ def sensitivity(result: OptimisationResult, findings: Findings, name: str) -> Dr
     axes[0, 0].set_ylabel("Change [%]")
     handles = [Line2D([], [], ls="", marker="o", ms=m, mfc=f, mec=e) for m, f, e in ((8, INK, INK), (5, BLUE, BLUE), (5, "white", ORANGE))]
     legend(figure, handles, ["optimum", "allowed", "not allowed"])
-    caption = f"Change of {label(objective).lower()} from the optimum, one variable moved by steps of its grid, up to its bounds."
+    caption = f"Change of {said(objective)} from the optimum, one variable moved by steps of its grid, up to its bounds."
     caption += f" What is not allowed breaks: {'; '.join(sorted(blocked))}." if blocked else ""
     return Drawing(name=f"sensitivity_{name}", group=name, title=f"Stage {name}: every variable moved alone", caption=caption, figure=figure)
+
+
+def shown_range(values) -> tuple[float, float]:
+    """Return limits that show all values but a few far off: those beyond four times what nine of ten keep to."""
+    values = values[np.isfinite(values)]
+    far = max(4 * np.percentile(np.abs(values), 90), 0.05)
+    low, high = max(values.min(), -far), min(values.max(), far)
+    edge = 0.1 * max(high - low, 0.05)
+    return low - edge, high + edge
 
 
 def hulls(findings: Findings) -> Drawing:
@@ -247,7 +256,7 @@ def hulls(findings: Findings) -> Drawing:
         ax.remove()
     for k, (d, h) in enumerate(zip(shown, one, strict=True)):
         plan, side = axes[2 * (k // across) : 2 * (k // across) + 2, k % across]
-        colour = DESIGN_COLOURS[k % len(DESIGN_COLOURS)]
+        colour = COLOURS[(k - 1) % len(COLOURS)] if k else GREY
         _draw_plan(plan, h, colour)
         _draw_side(side, h, colour)
         for profile in _profiles(d, None)[0]:
@@ -328,7 +337,7 @@ def lines(result: OptimisationResult, findings: Findings) -> Drawing:
         if k >= len(shown):
             ax.remove()
             continue
-        _draw_line(ax, shown[k], state, DESIGN_COLOURS[k % len(DESIGN_COLOURS)] if k else INK)
+        _draw_line(ax, shown[k], state, COLOURS[(k - 1) % len(COLOURS)] if k else INK)
         depth = shown[k].batch.population.depth
         ax.set(xlim=(-0.02 * reach, 1.04 * reach), ylim=(-0.13 * depth, 1.12 * depth))
         ax.axhline(depth, color=SKY, lw=1.0)

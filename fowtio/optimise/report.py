@@ -16,8 +16,10 @@ from fowtio.optimise.tables import (
     DIMENSION_LABELS,
     bound,
     label,
+    lowered,
     percent,
     relative_of,
+    said,
     search_gap,
     unit,
     variable_label,
@@ -59,9 +61,9 @@ def write_optimisation(
             drawings = at(*(f"{kind}_{n}" for kind in ("evolution", "variables", "pareto", "parallel")))
             out.append(Section(title=f"Stage {n}", content=(*shown, *drawings), fold=folded))
         moved = [tables.sensitivity_table(result, found, n) for n in found.sensitivities]
-        said = [sensitivity_statement(result, found, n) for n in found.sensitivities]
+        words = [sensitivity_statement(result, found, n) for n in found.sensitivities]
         pictured = at(*(f"sensitivity_{n}" for n in found.sensitivities))
-        out.append(Section(title="Around the optima", content=(bullet_list(said), *pictured) if said else (), fold=tuple(moved)))
+        out.append(Section(title="Around the optima", content=(bullet_list(words), *pictured) if words else (), fold=tuple(moved)))
         out.append(Section(title="Cost", content=(cost, *at("cost")), fold=(bought,)))
         out.append(Section(title="Ours and the published", content=(bullet_list(differences(result, found)), *compared) if compared else ()))
         return [*out, Section(title="Assumptions", content=(bullet_list(assumptions(result)),))]
@@ -126,13 +128,13 @@ def _span(values, decimals: int = 1) -> str:
 def sensitivity_statement(result: OptimisationResult, findings: Findings, name: str) -> str:
     """Return what moving each variable alone shows, in a sentence."""
     objective, moved = result.stages[name].stage.objectives[0], findings.sensitivities[name]
-    spans = {variable_label(s.variable).lower() + _slack_span(result, s): 100 * s.change(objective)[np.isfinite(s.change(objective))] for s in moved}
+    spans = {lowered(variable_label(s.variable)) + _slack_span(result, s): 100 * s.change(objective)[np.isfinite(s.change(objective))] for s in moved}
     much = [f"{_span(v)} with {text}" for text, v in spans.items() if np.abs(v).max() >= SLIGHT]
     little = [f"{text} ({_span(v, 2)})" for text, v in spans.items() if np.abs(v).max() < SLIGHT]
     parts = [f"by {'; '.join(much)}"] if much else []
     parts += [f"by less than {SLIGHT:g} % with {'; '.join(little)}"] if little else []
     near = "; ".join(bound(c) for c in binding(result.stages[name], moved))
-    return f"Stage {name}, up to {max(int(np.abs(s.step).max()) for s in moved)} steps to either side: {label(objective).lower()} changes {', and '.join(parts)}. " + (f"Binding or close by: {near}." if near else "No constraint binds.")
+    return f"Stage {name}, up to {max(int(np.abs(s.step).max()) for s in moved)} steps to either side: {said(objective)} changes {', and '.join(parts)}. " + (f"Binding or close by: {near}." if near else "No constraint binds.")
 
 
 def _slack_span(result: OptimisationResult, moved: Sensitivity) -> str:
@@ -164,10 +166,10 @@ def _value_difference(name: str, quantity: str, group) -> list[str]:
     if not pairs:
         return []
     f, here, printed = pairs[0]
-    said = f"design {f.published.name}: {number(here)} here, {number(printed)} printed"
+    one = f"design {f.published.name}: {number(here)} here, {number(printed)} printed"
     span = _span([percent(h, p) for _, h, p in pairs])
     of = f"of {len(pairs)} published designs " if len(pairs) > 1 else ""
-    return [f"Stage {name}: {label(quantity).lower()} [{unit(quantity) or '-'}] {of}{span} against print ({said})."]
+    return [f"Stage {name}: {said(quantity)} [{unit(quantity) or '-'}] {of}{span} against print ({one})."]
 
 
 def _relative_difference(result, findings, name: str, quantity: str, of: str, group) -> list[str]:
@@ -179,7 +181,7 @@ def _relative_difference(result, findings, name: str, quantity: str, of: str, gr
     f, ours, same, printed = found[0]
     span = _span([percent(x[2], x[3]) for x in found])
     return [
-        f"Stage {name}: {label(quantity).lower()} relative to the published optimum of stage {of}, {span} against print "
+        f"Stage {name}: {said(quantity)} relative to the published optimum of stage {of}, {span} against print "
         f"(design {f.published.name}: {same:.3f} here, {printed:.3f} printed; {ours:.3f} relative to our optimum)."
     ]
 
@@ -189,13 +191,15 @@ def _optimum_difference(result, findings, name: str, group) -> list[str]:
     stage, shown, out = result.stages[name], findings.shown[name], []
     for f in group:
         p = f.published
-        moved = [f"{DIMENSION_LABELS[d].lower()} {shown.design[k]:.4g} m here, {f.design[k]:.4g} m published" for k, d in enumerate(DIMENSIONS)
+        moved = [f"{lowered(DIMENSION_LABELS[d])} {shown.design[k]:.4g} m here, {f.design[k]:.4g} m published" for k, d in enumerate(DIMENSIONS)
                  if abs(shown.design[k] - f.design[k]) > 1e-6]  # fmt: skip
         out.append(f"Stage {name}, optimum: {'; '.join(moved) or 'the published design'}.")
         objective = stage.stage.objectives[0]
         change = percent(shown.value(objective), f.values.get(objective))
         if change is not None:
-            out.append(f"Stage {name}: {label(objective).lower()} of our optimum {_signed(change)} from that of published design {p.name}, both evaluated here.")
+            out.append(f"Stage {name}: {said(objective)} of our optimum {_signed(change)} from that of published design {p.name}, both evaluated here.")
+        if not {"anchor_radius", "line_length"} & {v.name for v in stage.space.variables}:
+            continue
         ours, theirs = shown.slack, float(slack_of(result.setting, f.design[None])[0])
         word = "slacker" if ours > theirs else "tauter"
         out.append(f"Stage {name}: line over straight distance {ours:.4f} here, {theirs:.4f} in published design {p.name}: lines {word} here.{_slack_before(result, findings, name)}{_slack_effect(result, findings, name)}")
@@ -219,7 +223,7 @@ def _slack_effect(result: OptimisationResult, findings: Findings, name: str) -> 
     objective = result.stages[name].stage.objectives[0]
     moved = [s for s in findings.sensitivities[name] if s.variable.name == "line_length"]
     changes = [100 * c for s in moved for c in s.change(objective) if np.isfinite(c)]
-    return f" The length of our lines alone, moved{_slack_span(result, moved[0])}, changes {label(objective).lower()} by {_span(changes, 2)}." if changes else ""
+    return f" The length of our lines alone, moved{_slack_span(result, moved[0])}, changes {said(objective)} by {_span(changes, 2)}." if changes else ""
 
 
 def _front_difference(result, name: str, group) -> list[str]:
@@ -229,7 +233,7 @@ def _front_difference(result, name: str, group) -> list[str]:
     relative = relative_values(s, a, stage.picks, result.stages)
     out = []
     if s.relative_to in result.stages:
-        spans = "; ".join(f"{label(n).lower()} {_span([100 * (v - 1) for v in relative[:, k]])}" for k, n in enumerate(s.objectives))
+        spans = "; ".join(f"{said(n)} {_span([100 * (v - 1) for v in relative[:, k]])}" for k, n in enumerate(s.objectives))
         out.append(f"Stage {name}: our {len(stage.picks)} picks relative to the optimum of stage {s.relative_to}: {spans}.")
     theirs = np.array([[f.values.get(n, np.nan) for n in s.objectives] for f in group])
     front = np.stack([a.value(n, stage.front) for n in s.objectives], axis=1)

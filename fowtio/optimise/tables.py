@@ -9,7 +9,7 @@ import numpy as np
 from fowtio.optimise.archive import failed_constraints
 from fowtio.optimise.run import SHOWN, OptimisationResult, StageResult, relative_values
 from fowtio.optimise.sensitivity import Findings, binding, relative_objectives, shown_row, slack_of
-from fowtio.write.table import ROW, Column, Table
+from fowtio.write.table import ROW, Column, Table, number
 from model.design.evaluate import cost_account
 from model.design.quantities import QUANTITIES, split_name
 from model.design.space import DIMENSIONS
@@ -35,6 +35,16 @@ def label(name: str, state: bool = True) -> str:
     return f"{text}, {of}" if of and state else text
 
 
+def lowered(text: str) -> str:
+    """Return a label for the middle of a sentence."""
+    return text[:1].lower() + text[1:]
+
+
+def said(name: str) -> str:
+    """Return a quantity's name for the middle of a sentence."""
+    return lowered(label(name))
+
+
 def labels(names: Sequence[str]) -> dict[str, str]:
     """Return the names of quantities for people, without the state when all have the same."""
     several = len({split_name(n)[1] for n in names} - {""}) > 1
@@ -55,7 +65,7 @@ def unit(name: str) -> str:
 
 def bound(constraint) -> str:
     """Return a constraint in words."""
-    return f"{label(constraint.quantity)} {_SIGNS[constraint.relation]} {constraint.limit:.4g} {unit(constraint.quantity)}".rstrip()
+    return f"{label(constraint.quantity)} {_SIGNS[constraint.relation]} {number(constraint.limit)} {unit(constraint.quantity)}".rstrip()
 
 
 def why(broken) -> str:
@@ -77,8 +87,8 @@ def dimension_columns() -> list[Column]:
 
 def quantity_columns(names: Sequence[str]) -> list[Column]:
     """Return the columns of quantities."""
-    said = labels(names)
-    return [Column(name=said[n], unit=unit(n), decimals={"M€": 3, "MN m": 2}.get(unit(n))) for n in names]
+    text = labels(names)
+    return [Column(name=text[n], unit=unit(n), decimals={"M€": 3, "MN m": 2}.get(unit(n))) for n in names]
 
 
 def optima_table(result: OptimisationResult, findings: Findings) -> Table:
@@ -104,9 +114,9 @@ def optimum_table(result: OptimisationResult, findings: Findings, name: str) -> 
     rows = [(DIMENSION_LABELS[d], "m", *a.designs[at, k].tolist(), float(base[k]), percent(best[k], base[k])) for k, d in enumerate(DIMENSIONS)]
     slack = *slack_of(result.setting, a.designs[at]).tolist(), findings.reference.slack
     rows.append((label("line_slack"), "", *slack, percent(*slack[-2:])))
-    said = labels(a.names)
+    text = labels(a.names)
     for n in a.names:
-        rows.append((said[n], unit(n), *a.value(n, at).tolist(), result.reference_values.get(n), percent(a.value(n, stage.best), result.reference_values.get(n))))
+        rows.append((text[n], unit(n), *a.value(n, at).tolist(), result.reference_values.get(n), percent(a.value(n, stage.best), result.reference_values.get(n))))
     note = "Downhill: from the search's best to the design that none of its neighbours on the grid betters." if len(heads) > 1 else ""
     return Table(name=f"optimum_{name}", title=f"Stage {name}: optimum", columns=columns, rows=tuple(rows), note=f"{state_note(a.names)} {note}".strip())
 
@@ -123,7 +133,7 @@ def front_table(result: OptimisationResult, name: str, *, picked: bool) -> Table
     rows = [
         (float(k + 1), *a.designs[r].tolist(), *(relative[k].tolist() if base else ()), *a.values[r].tolist()) for k, r in enumerate(rows_of)
     ]
-    what = "; ".join(f"f{k + 1}: {label(n).lower()} over that of the optimum of stage {base}" for k, n in enumerate(stage.stage.objectives)) if base else ""
+    what = "; ".join(f"f{k + 1}: {said(n)} over that of the optimum of stage {base}" for k, n in enumerate(stage.stage.objectives)) if base else ""
     kind, title = ("picks", "picked designs") if picked else ("front", "Pareto front")
     note = ". ".join(t for t in (what, state_note(a.names).rstrip(".")) if t)
     return Table(name=f"{kind}_{name}", title=f"Stage {name}: {title}", columns=tuple(columns), rows=tuple(rows), note=note + "." if note else "")
@@ -155,8 +165,8 @@ def failure_table(stage: StageResult) -> Table:
     total = len(stage.archive.violation)
     kept = int(stage.archive.feasible.sum())
     rows = [("keeps all constraints", float(kept), 100 * kept / total)]
-    said = {f"{c.quantity} {c.relation} {c.limit:.4g}": f"breaks {bound(c)}" for c in stage.constraints}
-    rows += [(said.get(text, text), float(n), 100 * n / total) for text, n in failed_constraints(stage.archive, stage.constraints)]
+    words = {f"{c.quantity} {c.relation} {c.limit:.4g}": f"breaks {bound(c)}" for c in stage.constraints}
+    rows += [(words.get(text, text), float(n), 100 * n / total) for text, n in failed_constraints(stage.archive, stage.constraints)]
     columns = (Column(name="Outcome"), Column(name="Designs", decimals=0), Column(name="Share", unit="%", decimals=1))
     note = "A design is judged from what is cheap to what is dear and counts where it first failed."
     name = stage.stage.name
@@ -183,16 +193,17 @@ def search_table(result: OptimisationResult) -> Table:
 
 
 def search_gap(result: OptimisationResult, name: str) -> float | None:
-    """Return by how much the genetic algorithm's best is worse than the best design known, over the latter; None for other methods."""
+    """Return by how much the genetic algorithm's best is worse than the best design known, over the latter.
+
+    None for other methods, and where neither a stage tried every design of the same space nor the search went downhill.
+    """
     stage = result.stages[name]
-    if stage.stage.method != "ga":
+    same = (stage.stage.space, stage.stage.objectives, stage.constraints)
+    tried = [o for o in result.stages.values() if o.stage.method == "grid" and (o.stage.space, o.stage.objectives, o.constraints) == same]
+    if stage.stage.method != "ga" or not (tried or result.study.polish):
         return None
     objective = stage.stage.objectives[0]
-    known = [stage.archive.value(objective, stage.best)]
-    for other in result.stages.values():
-        same = (other.stage.method, other.stage.space, other.stage.objectives, other.constraints) == ("grid", stage.stage.space, stage.stage.objectives, stage.constraints)
-        known += [other.archive.value(objective, other.best)] if same else []
-    best = float(min(known))
+    best = float(min(o.archive.value(objective, o.best) for o in (stage, *tried)))
     return float(stage.archive.value(objective, stage.found) - best) / abs(best)
 
 
@@ -214,8 +225,8 @@ def quantity_table(findings: Findings) -> Table:
     columns = (Column(name="Item"), Column(name="Unit"), *(Column(name=n, unit=ROW, decimals=1) for n in accounts))
     rows = []
     for k, item in enumerate(first):
-        said, factor = scale.get(item.unit, (item.unit, 1.0))
-        rows.append((item.name, said, *(float(np.ravel(a[k].quantity)[0]) * factor for a in accounts.values())))
+        shown, factor = scale.get(item.unit, (item.unit, 1.0))
+        rows.append((item.name, shown, *(float(np.ravel(a[k].quantity)[0]) * factor for a in accounts.values())))
     return Table(name="bought", title="Quantities behind the cost", columns=columns, rows=tuple(rows))
 
 
@@ -248,7 +259,7 @@ def sensitivity_table(result: OptimisationResult, findings: Findings, name: str)
 def variable_label(variable) -> str:
     """Return a design variable for people; one that is relative to another as a difference."""
     text = DIMENSION_LABELS[variable.name]
-    return text if variable.relative_to is None else f"{text} less {DIMENSION_LABELS[variable.relative_to].lower()}"
+    return text if variable.relative_to is None else f"{text} less {lowered(DIMENSION_LABELS[variable.relative_to])}"
 
 
 def published_table(findings: Findings) -> Table | None:
@@ -260,9 +271,9 @@ def published_table(findings: Findings) -> Table | None:
         Column(name="Difference", unit="%", decimals=1),
     )  # fmt: skip
     names = list(dict.fromkeys(n for f in findings.published for n in f.published.values))
-    said = labels(names)
+    text = labels(names)
     rows = tuple(
-        (f.published.name, f.published.stage, said[n], unit(n), _number(f.values[n]), printed, percent(f.values[n], printed))
+        (f.published.name, f.published.stage, text[n], unit(n), _number(f.values[n]), printed, percent(f.values[n], printed))
         for f in findings.published
         for n, printed in f.published.values.items()
     )
@@ -282,7 +293,7 @@ def relative_table(result: OptimisationResult, findings: Findings) -> Table | No
         (f.published.name, f.published.stage, *f.design.tolist(), *(v for n in pairs for v in relative_of(result, findings, f, n)), why(f.broken) or "kept")
         for f in findings.published
     )
-    what = "; ".join(f"f{k + 1}: {label(n).lower()} over that of stage {base}" for k, (n, base) in enumerate(pairs.items()))
+    what = "; ".join(f"f{k + 1}: {said(n)} over that of stage {base}" for k, (n, base) in enumerate(pairs.items()))
     note = f"{what}. Here: over our optimum; same base: over the published optimum evaluated here; printed: both as printed." if pairs else ""
     return Table(name="relative", title="Published designs, relative objectives and constraints", columns=tuple(columns), rows=rows, note=note)
 

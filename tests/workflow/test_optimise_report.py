@@ -9,6 +9,7 @@ import pytest
 from openpyxl import load_workbook
 
 from fowtio.optimise import tables
+from fowtio.optimise.figures import shown_range
 from fowtio.optimise.report import (
     assumptions,
     differences,
@@ -98,6 +99,8 @@ def test_downhill_stands_beside_the_search(result, findings):
     other = next(int(r) for r in np.flatnonzero(stage.archive.feasible) if r != stage.best)
     changed = replace(result, study=replace(result.study, polish=True), stages=result.stages | {"ultimate": replace(stage, best=other)})
     table = tables.optimum_table(changed, findings, "ultimate")
+    moment = stage.archive.value("tower_moment:rated")
+    assert tables.search_gap(changed, "ultimate") == pytest.approx((moment[stage.found] - moment[other]) / moment[other], rel=1e-12)
     row = next(r for r in table.rows if r[0] == "Cost")
     assert row[2] == stage.archive.value("cost", stage.found)
     assert row[3] == stage.archive.value("cost", other)
@@ -181,9 +184,19 @@ def test_sensitivity_statement_names_what_hardly_matters(result, findings):
     much, slight = text.split("by less than 0.5 % with ")
     for s in findings.sensitivities["fatigue"]:
         change = 100 * s.change("damage")
-        slightly = bool(re.search(rf"(^|; ){tables.variable_label(s.variable).lower()} \(", slight))
+        slightly = bool(re.search(rf"(^|; ){tables.lowered(tables.variable_label(s.variable))} \(", slight))
         assert slightly == (np.nanmax(np.abs(change)) < 0.5)
-        assert bool(re.search(rf" with {tables.variable_label(s.variable).lower()}", much)) != slightly
+        assert bool(re.search(rf" with {tables.lowered(tables.variable_label(s.variable))}", much)) != slightly
+
+
+def test_far_values_do_not_flatten_the_figure():
+    near = np.linspace(-1.0, 2.0, 29)
+    low, high = shown_range(near)
+    assert low < -1.0
+    assert 2.0 < high < 3.0
+    low, high = shown_range(np.append(near, 195.0))
+    assert low < -1.0
+    assert 2.0 < high < 195.0
 
 
 def test_slack_is_line_over_straight_distance(result):
@@ -219,7 +232,7 @@ def test_json_has_units_for_all_numbers(result, findings, tmp_path):
         assert value * factor == pytest.approx(found.archive.value(n, found.best), rel=1e-12)
     assert units["values"]["tower_moment:rated"] == "N m"
     assert 1e8 < stage["values"]["tower_moment:rated"] < 1e9  # a moment of hundreds of MN m in N m
-    assert stage["ga_gap"] == 0.0  # without polish the best known is the search's own
+    assert stage["ga_gap"] is None  # nothing to tell it by: no polish, no stage that tried every design
     assert out["stages"]["pareto"]["optimum"] is None
     assert len(out["stages"]["pareto"]["pareto"]) == len(result.stages["pareto"].front)
     assert all(p in out["stages"]["pareto"]["pareto"] for p in out["stages"]["pareto"]["picks"])
