@@ -12,13 +12,14 @@ import numpy as np
 from fowtio import __version__
 from fowtio.errors import ModelError
 from fowtio.optimise.archive import Archive, failed_constraints, in_chunks
-from fowtio.optimise.search import pareto_front, polish, search
+from fowtio.optimise.search import pareto_front, polish, polish_front, search
 from fowtio.optimise.setting import Reference, batch_of, reference_of, setting_of, shortfall, space_of
 from fowtio.optimise.study import OptimisationStudy, Stage
 from model.design.evaluate import Setting
 from model.design.quantities import LIFE, QUANTITIES, Constraint, Evaluation, evaluate, level_of, quantity_value
 from model.design.space import DesignSpace
 
+MOST_PICKS = 12
 SHOWN = ("cost", "total_mass", "mean_surge:{0}", "mean_pitch:{0}")
 
 
@@ -132,6 +133,8 @@ def _result(stage, space, constraints, archive: Archive, study, done, progress, 
             best = polish(archive, objective, found, lambda text: progress(f"stage {stage.name}: {text}"))
     else:
         front = pareto_front(archive, stage.objectives)
+        if study.polish:
+            front = polish_front(archive, stage.objectives, front, lambda text: progress(f"stage {stage.name}: {text}"))
         picks = _picks(stage, archive, front, done)
     return StageResult(
         stage=stage, space=space, constraints=constraints, archive=archive, found=found, best=best, front=front, picks=picks,
@@ -140,14 +143,15 @@ def _result(stage, space, constraints, archive: Archive, study, done, progress, 
 
 
 def _picks(stage: Stage, archive: Archive, front: np.ndarray, done: dict[str, StageResult]) -> np.ndarray:
-    """Return the designs of the front within the picks' bounds, relative to the optimum of the stage before; failing that the five
-    nearest to the best of both.
+    """Return designs of the front within the picks' bounds, relative to the optimum of the stage before, evenly thinned where there are
+    many; failing that the five nearest to the best of both.
     """
     values = relative_values(stage, archive, front, done)
     if stage.picks is not None:
         inside = np.all(values <= np.array(stage.picks), axis=1)
         if inside.any():
-            return front[inside]
+            few = front[inside]
+            return few[np.unique(np.round(np.linspace(0, len(few) - 1, MOST_PICKS)).astype(int))]
     scaled = (values - values.min(axis=0)) / np.maximum(np.ptp(values, axis=0), 1e-12)
     return front[np.argsort((scaled**2).sum(axis=1), kind="stable")[:5]]
 

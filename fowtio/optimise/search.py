@@ -73,6 +73,26 @@ def polish(archive: Archive, objective: str, row: int, progress: Callable[[str],
         progress(f"downhill: {objective} {archive.value(objective, here):.5g}")
 
 
+def polish_front(archive: Archive, objectives: Sequence[str], rows, progress: Callable[[str], None], rounds: int = 6) -> np.ndarray:
+    """Return the rows of the Pareto front after neighbours of its members have been tried until none gets onto it.
+
+    Neighbours differ by one step in one variable; at most so many rounds.
+    """
+    space, front, tried = archive.space, pareto_front(archive, objectives, rows), set()
+    moves = np.concatenate([np.eye(len(space.variables), dtype=int), -np.eye(len(space.variables), dtype=int)])
+    for _ in range(rounds):
+        new = [r for r in front.tolist() if r not in tried]
+        if not new:
+            break
+        tried.update(new)
+        places = (archive.places[new][:, None] + moves).reshape(-1, len(space.variables))
+        places = places[np.all((places >= 0) & (places < space.counts), axis=1)]
+        front = pareto_front(archive, objectives, np.concatenate([front, archive.rows(places)]))
+        progress(f"front of {len(front)} designs after the neighbours of {len(tried)}")
+    archive.save()
+    return front
+
+
 def _moves(v: int) -> np.ndarray:
     steps = np.stack(np.meshgrid(*[[-1, 0, 1]] * v, indexing="ij"), axis=-1).reshape(-1, v)
     changed = np.abs(steps).sum(axis=1)
