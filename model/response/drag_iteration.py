@@ -111,7 +111,8 @@ def _rate_covariance(problem: DragProblem, rate: np.ndarray) -> np.ndarray:
     weights = np.concatenate([problem.wave_weight, problem.wind_weight], axis=1)[:, : rate.shape[-1]]
     scaled = rate * np.sqrt(weights).transpose(0, 2, 1)[:, :, None, :]
     columns = scaled.transpose(0, 2, 1, 3).reshape(len(rate), rate.shape[2], -1)
-    out = (columns @ columns.conj().swapaxes(1, 2)).real
+    numbers = np.ascontiguousarray(columns).view(float)  # the real part of a product with the conjugate is one of real matrices
+    out = numbers @ numbers.swapaxes(1, 2)
     return out if problem.incoherent is None else out + problem.incoherent.sum(axis=0).real
 
 
