@@ -193,6 +193,8 @@ def eliminate(problem: DragProblem, dynamic, damping, force, wave_force, here) -
     """
     everything = list(range(dynamic.shape[1]))
     here = everything[here] if isinstance(here, slice) else list(here)
+    if not here:
+        return np.repeat(np.linalg.solve(dynamic, force), len(damping), axis=0)
     rest = [k for k in everything if k not in here]
     p, n, r = len(here), len(dynamic), force.shape[-1]
     inner, right = dynamic[:, here][:, :, here], force[0][:, here]
