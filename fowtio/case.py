@@ -14,7 +14,7 @@ from fowtio.errors import CaseError, FormatError, Problem
 from fowtio.read.openfast_input import InputFile, read_input
 from fowtio.read.text import is_number, number, read_lines
 from fowtio.read.turbine_table import read_turbine_table
-from fowtio.rotor import ROTOR_NAMES, RotorEntry, rotor_entry
+from fowtio.rotor import ROTOR_NAMES, RotorEntry, rotor_entry, thrust_table
 from model.conventions import PLATFORM_DOFS
 from model.environment.sea import SeaState
 from model.response.sections import ExtraOutputs
@@ -80,7 +80,7 @@ class Options:
     frequency_low: float = 0.0003
     frequency_high: float = 1.0
     frequency_count: int = 400
-    drag_model: str = "relative"
+    drag_model: str = "third_order"
     low_frequency_excitation: str = "hold"
     wind_spectrum: str = "kaimal"
     wind_averaging: str = "rotor"
@@ -111,6 +111,7 @@ class Case:
     rotor: RotorEntry | None = None
     turbine: TurbineEntry | None = None
     hull: Path | None = None
+    thrust_table: Path | None = None
 
     @property
     def wind_speeds(self) -> tuple[float, ...]:
@@ -131,7 +132,7 @@ _OPTIONS = {
     "Duration": ("duration", float), "DragTol": ("drag_tolerance", float),
 }  # fmt: skip
 _EXTRAS = ("TowerSections", "ModalTowerLoads", "AnchorTensions", "AirGapPoints", "DirectLin", "FreqFile")
-_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "TurbineFile", "HullFile", *TABLES, *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
+_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "TurbineFile", "HullFile", "ThrustTable", *TABLES, *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
 _TABLES = ("NLin", "NStates", *TABLES)
 _COLUMNS = ("WindSpeed", "LinFiles", "LinDeck", "MassMatrix", "Name", "Turbulence", "Spectrum", "State", "RefFiles", "(m/s)", "(-)")
 
@@ -168,6 +169,7 @@ def load(path: str | Path) -> Case:
         rotor=problems.get(lambda: rotor_entry(source)),
         turbine=problems.get(lambda: _turbine_entry(source)),
         hull=problems.get(lambda: _file(source, "HullFile") if _names(source, "HullFile") else None),
+        thrust_table=problems.get(lambda: thrust_table(source)),
     )  # fmt: skip
     _check_consistency(case, problems)
     problems.raise_all()

@@ -50,6 +50,7 @@ def run(
     from fowtio import report_data, terminal
     from fowtio.case import load
     from fowtio.direct import compare_direct, direct_section
+    from fowtio.kept_dofs import compare_kept, kept_section, whirling
     from fowtio.workflow import build, loads, solve_states
     from fowtio.write.results import write_results
 
@@ -60,14 +61,16 @@ def run(
         results = loads(responses, study.options.duration)
         folder = out or Path("results") / case.stem
         direct = compare_direct(model, responses[0]) if study.direct else None
+        kept, pairs = compare_kept(model, results), whirling(model.points)
         sections = [direct_section(direct)] if direct is not None and figures else []
+        sections += [kept_section(kept, pairs)] if kept is not None and figures else []
         files = write_results(
             model, results, folder, figures=figures, report=figures, extra_sections=sections, progress=say
         )
     if json:
-        _print_json(report_data.run_json(model, results, folder, files))
+        _print_json(report_data.run_json(model, results, folder, files) | report_data.kept_json(kept, pairs))
     elif not quiet:
-        terminal.show_run(model, results, folder, files)
+        terminal.show_run(model, results, folder, files, kept, pairs)
 
 
 @app.command()

@@ -12,7 +12,7 @@ from fowtio.validation import Validation, validate
 from fowtio.workflow import Model
 
 DRAG = {
-    "relative": "relative velocity, element by element", "body": "body velocity, element by element",
+    "third_order": "relative velocity, to third order", "relative": "relative velocity, element by element", "body": "body velocity, element by element",
     "global": "body velocity, one for all strips and one for all plates",
 }  # fmt: skip
 

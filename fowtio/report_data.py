@@ -15,6 +15,7 @@ from model.conventions import DOF_UNITS
 from model.response.assemble import all_parts
 
 if TYPE_CHECKING:
+    from fowtio.kept_dofs import KeptComparison, Whirl
     from fowtio.validation import Validation
 
 
@@ -46,6 +47,20 @@ def run_json(model: Model, results: tuple[StateLoads, ...], folder: Path, files:
         "states": states, "modes": _modes(model.points[0]), "folder": str(folder), "files": [str(f) for f in files],
         "notes": list(model.notes), "units": _units(results[0]),
     }  # fmt: skip
+
+
+def kept_json(kept: KeptComparison | None, pairs: Sequence[Whirl]) -> dict:
+    """Return what a flexible rotor does beside a condensed one and its whirling pairs, nothing without one."""
+    if kept is None:
+        return {}
+    names = ("std", "std_condensed", "wave_difference", "wind_difference")
+    channels = {
+        name: {key: float(v) if np.isfinite(v := getattr(kept, key)[k]) else None for key in names} for k, name in enumerate(kept.names)
+    }
+    return {
+        "kept_dofs": {"state": kept.state, "condensed": list(kept.dropped), "channels": channels},
+        "whirling": [dict(vars(p)) for p in pairs],
+    }
 
 
 def check_json(model: Model) -> dict:

@@ -28,6 +28,7 @@ from model.system.controller import (
     pitch_gains,
     torque_slope,
 )
+from model.system.gusts import gust_thrust, in_turbulence
 from model.system.tower import TOWER_MODES
 from model.system.turbine import TurbineMatrices
 
@@ -80,6 +81,31 @@ def rotor_entry(source: InputFile) -> RotorEntry | None:
         loop_frequency=_positive(source, "SpeedLoopFreq", 0.2), loop_damping=_positive(source, "SpeedLoopDamp", 0.7),
         platform_feedback=np.radians(source.number("FloatGain", 0.0)),
     )  # fmt: skip
+
+
+def thrust_table(source: InputFile) -> Path | None:
+    """Return the rotor table that a study names for its thrust in turbulence, None when it names none; raise FormatError."""
+    if source.is_default("ThrustTable") or source.text("ThrustTable").lower() in ("none", "-"):
+        return None
+    return source.file("ThrustTable")
+
+
+def gusty_turbine(path: Path, deck: Deck, turbine: TurbineMatrices, hub_row, std: float) -> tuple[TurbineMatrices, str]:
+    """Return a turbine with its thrust in turbulence of a standard deviation [m/s] at a point, and a note; raise ModelError.
+
+    hub_row (q) is the hub's translation downwind per unit of each of its degrees of freedom.
+    """
+    rotor, speed = deck.elastodyn.structure.rotor, turbine.wind_speed
+    performance = rotor_performance(read_rotor_table(path), rotor.diameter / 2, deck.air_density, speed)
+    try:
+        gust = gust_thrust(performance, speed, turbine.rotor_speed, float(turbine.force[0]) / np.cos(rotor.tilt), std)
+    except ValueError as error:
+        raise ModelError(f"{path}: {error}") from None
+    note = (
+        f"thrust at {speed:g} m/s in turbulence of {std:.2f} m/s: slope {gust.gain:.3f} of that in steady wind, mean {gust.change / 1e3:+.1f} kN "
+        f"({path.name} at pitch {np.degrees(gust.pitch):.2f} deg)"
+    )
+    return in_turbulence(turbine, gust, hub_row), note
 
 
 def rotor_turbine(

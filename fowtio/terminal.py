@@ -79,12 +79,17 @@ def show_notes(model) -> None:
             print(f"  - {note}")
 
 
-def show_run(model, results, folder: Path, files: Sequence[Path]) -> None:
-    """Print the summary of the main job."""
+def show_run(model, results, folder: Path, files: Sequence[Path], kept=None, pairs=()) -> None:
+    """Print the summary of the main job; kept and pairs come from `fowtio.kept_dofs`, None without a flexible rotor."""
     print(model.case.title)
     show_table(tables.natural_periods(model))
     show_table(tables.mean_offsets(model))
     show_table(tables.summary(results))
+    if kept is not None:
+        from fowtio.kept_dofs import kept_table, whirl_table
+
+        show_table(kept_table(kept))
+        show_table(whirl_table(pairs) if pairs else None)
     show_notes(model)
     report = next((f for f in files if f.suffix == ".html"), None)
     print(f"\n{len(files)} files in {folder}" + (f"; the report is {report}" if report else ""))

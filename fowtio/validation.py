@@ -19,6 +19,7 @@ from fowtio.validation_model import (
     ModelSide,
     evaluate,
     hub_ratio,
+    incoherent_rao,
     moving_mean,
     one_wave,
     own_waves,
@@ -146,9 +147,11 @@ def _compare_rao(
     waves = estimate(records.waves, full, records.step, found.segment).input_spectrum
     smooth, raw = smoothed_rao(side, found, records.step)
     band = (f >= WHOLE_BAND[0] / 3) & np.isfinite(smooth).all(axis=1)
-    std_model = np.sqrt((smooth[band] ** 2 * waves[band, None]).sum(axis=0) * df)
+    elsewhere = (side.incoherent - side.incoherent_in_waves).sum(axis=0) * side.step
+    std_model = np.sqrt((smooth[band] ** 2 * waves[band, None]).sum(axis=0) * df + elsewhere)
     predicted = [_driven(w, records, side) for w in records.waves]
     linear = estimate(records.cut(records.waves), predicted, records.step, found.segment)
+    same_waves = np.hypot(linear.energy_rao, incoherent_rao(side, found, records.step))
     exact = memory = None
     if nonlinear and side.point.system.current is None:
         series, convolved = quadratic_drag(model, side, records, progress)
@@ -164,16 +167,16 @@ def _compare_rao(
     empty = np.full(len(records.names), NAN)
     figures = {
         "std_model": std_model, "std_error": std_model / found.std - 1, "std_error_state": _std(nominal, side) / found.std - 1,
-        "std_error_hub": empty, "std_error_same_waves": linear.std / found.std - 1, "std_error_nonlinear": empty if exact is None else exact.std / found.std - 1,
+        "std_error_hub": empty, "std_error_same_waves": np.sqrt(linear.std**2 + side.incoherent.sum(axis=0) * side.step) / found.std - 1, "std_error_nonlinear": empty if exact is None else exact.std / found.std - 1,
         "std_error_memory": empty if memory is None else memory.std / found.std - 1, "rao_error": whole(smooth),
-        "rao_error_same_waves": whole(linear.energy_rao), "rao_error_nonlinear": empty if exact is None else whole(exact.energy_rao),
-        "rao_error_memory": empty if memory is None else whole(memory.energy_rao), "estimator_error": rao_error(clean, np.nan_to_num(linear.energy_rao), found.input_spectrum, f),
+        "rao_error_same_waves": whole(same_waves), "rao_error_nonlinear": empty if exact is None else whole(exact.energy_rao),
+        "rao_error_memory": empty if memory is None else whole(memory.energy_rao), "estimator_error": rao_error(clean, np.nan_to_num(same_waves), found.input_spectrum, f),
         "log_error": log_error(clean, target, found.coherence, f),
         "bands": np.array([rao_error(clean, target, found.input_spectrum, f, b) for b in BANDS]),
     }  # fmt: skip
     own = np.where(band[:, None], clean**2 * waves[:, None], 0.0)
     raw_spectrum = np.nan_to_num(raw) ** 2 * waves[:, None]
-    fine = np.abs(side.to_wave[side.main]) ** 2 * np.interp(side.hz, f, waves)[:, None]
+    fine = np.abs(side.to_wave[side.main]) ** 2 * np.interp(side.hz, f, waves)[:, None] + side.incoherent
     histories, phases, real = _histories(records, fine, side, predicted)
     channels = _channels(
         model,
@@ -225,7 +228,7 @@ def _compare_spectra(
     predicted = None if felt is None or len(side.waves) > 1 else [
         _driven(w, records, side) + _cut_driven(u, records, side) for w, u in zip(records.waves, felt, strict=True)
     ]  # fmt: skip
-    linear = None if predicted is None else np.sqrt(np.mean([p.var(axis=0) for p in predicted], axis=0))
+    linear = None if predicted is None else np.sqrt(np.mean([p.var(axis=0) for p in predicted], axis=0) + side.incoherent.sum(axis=0) * side.step)
     std_model = _std(spectrum * seen, side)
     figures = {
         "std_model": std_model, "std_error": std_model / found.std - 1, "std_error_state": _std(nominal * seen, side) / found.std - 1,

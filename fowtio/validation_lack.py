@@ -17,6 +17,7 @@ from model.response.decay import Decay, ModelDecay, free_decay, model_decay
 from model.response.equivalent import Missing, missing_terms
 from model.response.identify import Estimate
 from model.response.loads import MOTION_CHANNELS
+from model.response.solve import Response
 
 FITTED = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 BAND = (0.003, 0.22)  # Hz
@@ -132,6 +133,10 @@ def lacking(
         inputs += [response.to_wind, *response.to_gradients]
         spectra += [wind[inside], *[side.gradients[inside]] * 2]
     transfer = np.stack([on_grid(x[None], omega, hz)[0] for x in inputs], axis=-1)
+    if np.any(response.incoherent):
+        columns = _independent_causes(response, hz)
+        transfer = np.concatenate([transfer, columns], axis=-1)
+        spectra += [np.ones(len(hz))] * columns.shape[-1]
     at = np.flatnonzero((found.frequency >= BAND[0]) & (found.frequency <= BAND[1]))
     weights = window_matrix(hz, found.frequency[at], found.segment, records.step)
     reference = found.output_spectrum[np.ix_(at, [records.names.index(MOTION_CHANNELS[d][0]) for d in chosen])]
@@ -159,3 +164,13 @@ def lacking(
         terms=terms, frequency=np.array([hertz[d] for d in chosen]), damping_ratio=np.array([ratios[d] for d in chosen]), critical=critical,
         restoring=restoring,
     )  # fmt: skip
+
+
+def _independent_causes(response: Response, hz: np.ndarray) -> np.ndarray:
+    """Return motions (n, q, k) per unit of independent inputs with a spectrum of one per Hz that give the incoherent motions at hz (n)."""
+    flat = response.incoherent.reshape(1, len(response.incoherent), -1) * 2 * np.pi
+    spectra = on_grid(flat, response.excitation.omega, hz)[0].reshape(len(hz), *response.incoherent.shape[1:])
+    values, vectors = np.linalg.eigh(spectra)
+    columns = vectors * np.sqrt(values.clip(0))[:, None, :]
+    largest = np.abs(columns).max(axis=(0, 1))
+    return columns[..., largest > 1e-6 * largest.max()]

@@ -32,7 +32,8 @@ WORKERS = 2
 class ModelSide:
     """The model for one state: its response, its modes with drag; on uniform frequencies hz (n) from `step`: channels' transfer
     functions to the waves (m, n, c), the wind (n, c) and its gradients (2, n, c), mean (c), and the state's spectra per Hz: waves
-    (m, n), wind and gradients (n), wind at the hub (n).
+    (m, n), wind and gradients (n), wind at the hub (n); incoherent (n, c), spectra of the channels that drag causes without
+    coherence with waves or wind.
     """
 
     point: OperatingPoint
@@ -47,6 +48,7 @@ class ModelSide:
     wind: np.ndarray
     gradients: np.ndarray
     hub: np.ndarray
+    incoherent: np.ndarray
 
     @property
     def step(self) -> float:
@@ -57,6 +59,12 @@ class ModelSide:
     def main(self) -> int:
         """Place of the heading with the most wave energy."""
         return int(np.argmax(self.waves.sum(axis=1)))
+
+    @property
+    def incoherent_in_waves(self) -> np.ndarray:
+        """The incoherent spectra (n, c) where the waves have energy (1e-4 of their largest), zero elsewhere."""
+        waves = self.waves[self.main]
+        return self.incoherent * (waves > 1e-4 * waves.max())[:, None]
 
     def place(self, frequency) -> np.ndarray:
         """Return the places among (0, *hz) of frequencies [Hz] that are multiples of the spacing."""
@@ -88,6 +96,7 @@ def evaluate(model: Model, state: StateEntry, names: Sequence[str], segment: flo
         to_wave=on_grid(channels.to_wave[..., index], omega, hz), to_wind=on_grid(channels.to_wind[:, index], omega, hz),
         to_gradients=on_grid(channels.to_gradients[..., index], omega, hz), mean=channels.mean[index], waves=even.wave_spectrum * 2 * np.pi,
         wind=even.wind_spectrum * 2 * np.pi, gradients=even.gradient_spectrum * 2 * np.pi, hub=hub,
+        incoherent=on_grid(channels.incoherent[:, index] * 2 * np.pi, omega, hz),
     )  # fmt: skip
 
 
@@ -99,15 +108,30 @@ def on_grid(values: np.ndarray, omega: np.ndarray, hz: np.ndarray) -> np.ndarray
 
 
 def smoothed_rao(side: ModelSide, found: Estimate, sample: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the model's RAO magnitude for its main heading on the estimate's frequencies (n, c), seen through its window, and raw."""
-    magnitude = np.abs(side.to_wave[side.main])
-    magnitude = np.concatenate([magnitude[:1], magnitude])
-    spectrum = np.concatenate([[0.0], side.waves[side.main]])[:, None]
-    top = smooth_like_welch(magnitude**2 * spectrum, side.step, found.segment, sample)
+    """Return the model's RAO magnitude |H|2 for its main heading on the estimate's frequencies (n, c), seen through its window, and raw.
+
+    All of the response's energy, with the incoherent part where the waves have energy.
+    """
+    spectrum = side.waves[side.main][:, None]
+    power = np.abs(side.to_wave[side.main]) ** 2 * spectrum + side.incoherent_in_waves
+    with np.errstate(divide="ignore", invalid="ignore"):
+        magnitude = np.where(spectrum > 0, np.sqrt(power / spectrum), np.abs(side.to_wave[side.main]))
+    magnitude, power = (np.concatenate([x[:1], x]) for x in (magnitude, power))
+    spectrum = np.concatenate([[[0.0]], spectrum])
+    top = smooth_like_welch(power, side.step, found.segment, sample)
     bottom = smooth_like_welch(spectrum, side.step, found.segment, sample)
     with np.errstate(divide="ignore", invalid="ignore"):
         smooth = np.sqrt(top / bottom)
     return at_estimate(smooth, side, found), at_estimate(magnitude, side, found)
+
+
+def incoherent_rao(side: ModelSide, found: Estimate, sample: float) -> np.ndarray:
+    """Return what the incoherent part adds to |H|2 in the square, as a magnitude on the estimate's frequencies (n, c), through its window."""
+    power = np.concatenate([side.incoherent[:1], side.incoherent_in_waves])
+    waves = np.concatenate([[0.0], side.waves[side.main]])[:, None]
+    top, bottom = (smooth_like_welch(x, side.step, found.segment, sample) for x in (power, waves))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return at_estimate(np.sqrt(top / bottom), side, found)
 
 
 def phase_at(side: ModelSide, found: Estimate) -> np.ndarray:
@@ -138,8 +162,10 @@ def at_estimate(values: np.ndarray, side: ModelSide, found: Estimate) -> np.ndar
 def response_spectrum(
     side: ModelSide, waves: np.ndarray, wind: np.ndarray, gradients: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return response spectra (n, c) per Hz from wave spectra (m, n), and from spectra of the rotor's wind and its gradients (n)."""
-    of_waves = np.einsum("mnc,mn->nc", np.abs(side.to_wave) ** 2, waves)
+    """Return response spectra (n, c) per Hz from wave spectra (m, n) and drag's incoherent part, and from spectra of the rotor's wind and its
+    gradients (n).
+    """
+    of_waves = np.einsum("mnc,mn->nc", np.abs(side.to_wave) ** 2, waves) + side.incoherent
     of_gradients = (np.abs(side.to_gradients) ** 2).sum(axis=0) * gradients[:, None]
     return of_waves, np.abs(side.to_wind) ** 2 * wind[:, None] + of_gradients
 

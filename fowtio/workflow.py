@@ -13,12 +13,12 @@ from fowtio.errors import CaseError, FormatError, ModelError, Problem
 from fowtio.read.hydrodyn import drag_members
 from fowtio.read.openfast_deck import Deck, deck_hydro, read_deck
 from fowtio.read.openfast_lin import read_openfast_lin
-from fowtio.rotor import rotor_turbine
+from fowtio.rotor import gusty_turbine, rotor_turbine
 from model.conventions import PLATFORM_DOFS
 from model.environment.current import current_velocity
 from model.environment.rotor_wind import RotorSensitivity, rotor_sensitivity
 from model.environment.sea import SeaState
-from model.environment.wind import WindState
+from model.environment.wind import WindState, standard_deviation
 from model.response.assemble import Equilibrium, Modes, System, assemble, equilibrium, natural_modes
 from model.response.histories import Histories, synthesise
 from model.response.loads import ChannelResponse, LinearOutputs, channel_response, linear_outputs, response_spectra
@@ -115,7 +115,7 @@ class StateLoads:
 def build(case: Case, *, progress: Callable[[str], None] = lambda text: None, speeds: Sequence[float] | None = None) -> Model:
     """Return the assembled model of a study at the wind speeds that its states need.
 
-    speeds [m/s] replaces those. progress is told what is being done. Raises FormatError, CaseError or ModelError.
+    speeds [m/s] replaces those, with the thrust's slope in steady wind. progress is told what is being done. Raises FormatError, CaseError or ModelError.
     """
     progress("reading the deck")
     deck = read_deck(case.deck)
@@ -133,6 +133,9 @@ def build(case: Case, *, progress: Callable[[str], None] = lambda text: None, sp
         progress(f"operating point at {speed:g} m/s" if speed else "parked operating point")
         turbine, contained, more = _turbine(case, deck, None if dofs == ALL_DOFS else dofs, speed)
         notes += more
+        if case.thrust_table is not None and speeds is None:
+            turbine, more = _gusty(case, deck, turbine, states, speed)
+            notes += more
         kept = turbine.dofs if dofs == ALL_DOFS else dofs
         if case.rotor is not None and speed == 0:
             kept = tuple(d for d in kept if d != ROTOR_AZIMUTH)
@@ -203,14 +206,30 @@ def state_excitation(model: Model, state: StateEntry, omega=None) -> Excitation:
 
 def state_wind(model: Model, state: StateEntry) -> WindState | None:
     """Return the turbulent wind of a state, None when it is calm or steady."""
+    return _wind(model.case, model.deck, state)
+
+
+def _wind(case: Case, deck: Deck, state: StateEntry) -> WindState | None:
     if state.wind_speed == 0 or state.turbulence is None:
         return None
-    structure, options = model.deck.elastodyn.structure, model.case.options
+    structure, options = deck.elastodyn.structure, case.options
     kind = {"turbulence_class": state.turbulence} if isinstance(state.turbulence, str) else {"turbulence_intensity": state.turbulence}
     return WindState(
         mean_speed=state.wind_speed, hub_height=structure.hub_height, rotor_diameter=structure.rotor.diameter,
         spectrum=options.wind_spectrum, averaging=options.wind_averaging, **kind,
     )  # fmt: skip
+
+
+def _gusty(case: Case, deck: Deck, turbine: TurbineMatrices, states: Sequence[StateEntry], speed: float) -> tuple[TurbineMatrices, list[str]]:
+    """Return the turbine with its thrust in the turbulence of the states at a wind speed (their root mean square), and a note."""
+    winds = [_wind(case, deck, s) for s in states if abs(s.wind_speed - speed) < SAME_SPEED]
+    found = [standard_deviation(w) for w in winds if w is not None]
+    if not found:
+        return turbine, []
+    row = np.zeros(len(turbine.dofs))
+    row[[d in PLATFORM_DOFS + TOWER_MODES for d in turbine.dofs]] = _hub_motion(deck.elastodyn.structure, turbine.dofs)[0]
+    gusty, note = gusty_turbine(case.thrust_table, deck, turbine, row, float(np.sqrt(np.mean(np.square(found)))))
+    return gusty, [note]
 
 
 def _deck_state(deck: Deck) -> StateEntry:

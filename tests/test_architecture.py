@@ -112,6 +112,8 @@ def texts():
         ]
         for file in files:
             path = Path(folder) / file
+            if file == ".git":  # a working tree beside its repository
+                continue
             if (
                 path.suffix
                 in (".py", ".md", ".toml", ".fowt", ".dat", ".fst", ".j2", ".css", ".js", ".txt", ".yml", ".lin")

@@ -33,6 +33,7 @@ from model.reduce.excitation import ExcitationFit, WaveForce, fit_wave_force, wa
 from model.reduce.importance import Importance, importance
 from model.reduce.radiation import RadiationFit, fit_radiation
 from model.reduce.state_space import StateSpace, modal_form, reduce_balanced, state_space
+from model.response.drag_iteration import linear_drag_model
 from model.response.solve import Excitation, Response, prepare, solve
 from model.system.hydro import headings_cover
 
@@ -233,7 +234,7 @@ def _respond(model: Model, entry: StateEntry, point: OperatingPoint) -> tuple[Re
         gradient_spectrum=drive.gradient_spectrum, wave_spectrum=np.concatenate([drive.wave_spectrum, np.zeros((len(more), len(drive.omega)))]),
     )  # fmt: skip
     grid = prepare(point.system, wide.omega, wide.heading, low_frequency=options.low_frequency_excitation)
-    response = solve(point.system, point.mean, wide, grid=grid, drag=options.drag_model)
+    response = solve(point.system, point.mean, wide, grid=grid, drag=linear_drag_model(options.drag_model))
     if not response.converged:
         raise ModelError(f"state {entry.name!r}: drag did not converge in {response.iterations} iterations")
     return response, len(drive.heading), options.low_frequency_excitation

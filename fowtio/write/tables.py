@@ -253,7 +253,10 @@ def notes(model) -> list[str]:
     options = model.case.options
     drag = {
         "relative": "Drag is linearised for the Gaussian relative velocity of water and body, iterated in each state.",
+        "third_order": "Drag is linearised for the Gaussian relative velocity of water and body, iterated in each state; what that leaves over "
+        "is taken to third order.",
         "body": "Drag is linearised for the body's own velocity; the waves' drag force is left out.",
+        "global": "Drag is linearised for one velocity of all strips and one of all end plates; the waves' drag force is left out.",
         "none": "Drag is left out.",
     }[options.drag_model]  # fmt: skip
     low = {

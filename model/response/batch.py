@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -16,6 +16,7 @@ from model.response.solve import Grid, dynamic_stiffness, iterate, trapezoid_wei
 
 _CHUNK = 2048
 _COARSE = 2
+_STATES = 32  # at a time, so that their motions stay in the processor's memory
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -101,8 +102,40 @@ def batch_spectra(outputs: LinearOutputs, response: BatchResponse, names: Sequen
 
 
 def batch_std(outputs: LinearOutputs, response: BatchResponse, names: Sequence[str] | None = None) -> np.ndarray:
-    """Return the standard deviations (s, c) of channels of a batch of states."""
-    return np.sqrt(np.einsum("snc,n->sc", batch_spectra(outputs, response, names), trapezoid_weights(response.omega)))
+    """Return the standard deviations (s, c) of channels of a batch of states.
+
+    A channel is a row on motions, rates, accelerations and the input itself; its variance is the quadratic form of their
+    covariance, which is a matrix product over the frequencies.
+    """
+    index = [outputs.names.index(name) for name in (names or outputs.names)]
+    rows = np.stack([outputs.position[index], outputs.velocity[index], outputs.acceleration[index]])
+    drives = [(response.to_wave[:, k], response.wave_spectrum[:, k], np.zeros(len(index))) for k in range(response.to_wave.shape[1])]
+    if response.to_wind is not None:
+        drives.append((response.to_wind, response.wind_spectrum, outputs.wind[index, 0]))
+    if response.to_gradients is not None:
+        drives += [(response.to_gradients[:, k], response.gradient_spectrum, outputs.wind[index, 1 + k]) for k in (0, 1)]
+    variance = sum(_variance(rows, feed, motion, spectrum, response.omega) for motion, spectrum, feed in drives)
+    return np.sqrt(np.maximum(variance, 0.0))
+
+
+def _variance(rows, feed, motion, spectrum, omega) -> np.ndarray:
+    """Return the variances (s, c) of channels from one input: rows (3, c, q) on x, x', x'' and feed (c) on the input itself."""
+    used = [(order, k) for order in range(3) for k in range(rows.shape[2]) if np.any(rows[order, :, k])]
+    matrix = np.column_stack([*(rows[order, :, k] for order, k in used), feed])
+    rate = [(1j * omega) ** order for order in range(3)]
+    amplitude = np.sqrt(spectrum * trapezoid_weights(omega))
+    out = np.empty((len(motion), len(feed)))
+    for start in range(0, len(motion), _STATES):
+        part = slice(start, start + _STATES)
+        weighed = motion[part].transpose(0, 2, 1) * amplitude[part, None]
+        terms = np.empty((len(weighed), len(used) + 1, len(omega)), dtype=complex)
+        for row, (order, k) in enumerate(used):
+            np.multiply(weighed[:, k], rate[order], out=terms[:, row])
+        terms[:, -1] = amplitude[part]
+        numbers = terms.view(float)  # the real part of a product with the conjugate, as a product of real matrices
+        covariance = numbers @ numbers.swapaxes(1, 2)
+        out[part] = np.sum((matrix @ covariance) * matrix, axis=-1)
+    return out
 
 
 def _solve_part(system, mean, grid: Grid, waves, wind, gradient, calm: bool, drag: str, tolerance, limit):
@@ -127,12 +160,18 @@ def _solve_part(system, mean, grid: Grid, waves, wind, gradient, calm: bool, dra
         if not problem.active:
             solution, damping = np.repeat(np.linalg.solve(dynamic, force), len(waves), axis=0), np.zeros((len(waves), 6, 6))
         elif places is coarse:
-            solution, _, _, last = iterate(problem, dynamic, force, here, tolerance=tolerance, limit=limit, solve_linear=eliminate)
-            linear = coefficients(problem, solution, here)
+            solution, _, _, last = iterate(problem, dynamic, force, _places(here), tolerance=tolerance, limit=limit, solve_linear=eliminate)
+            linear = coefficients(problem, solution, _places(here))
         else:
             damping, wave_force = damping_and_force(problem, linear)
             solution = eliminate(problem, dynamic, damping, force, wave_force, here)
     return solution, damping, last
+
+
+def _places(index: list[int]) -> slice | list[int]:
+    """Return places as a slice when they are next to each other, which numpy takes without a copy."""
+    together = index == list(range(index[0], index[0] + len(index))) if index else False
+    return slice(index[0], index[-1] + 1) if together else index
 
 
 def _forces(system: System, grid: Grid, here, rows, calm: bool, with_gradients: bool) -> np.ndarray:
@@ -149,46 +188,73 @@ def _forces(system: System, grid: Grid, here, rows, calm: bool, with_gradients: 
 def eliminate(problem: DragProblem, dynamic, damping, force, wave_force, here) -> np.ndarray:
     """Return what `solve_with_drag` does, by elimination across states and frequencies at once.
 
-    Without pivoting, which dynamic stiffness with damping does not need; equations whose residual shows that it did are
-    solved again with it.
+    Motions that drag does not act on are eliminated first, once for all states; the platform's then without pivoting, which
+    dynamic stiffness with damping does not need; equations whose residual shows that it did are solved again with it.
     """
-    n, q = dynamic.shape[:2]
-    r = force.shape[-1]
-    out = np.empty((len(damping), n, q, r), dtype=complex)
-    base = np.ascontiguousarray(np.concatenate([np.broadcast_to(dynamic, (1, n, q, q)), force], axis=-1)[0].transpose(1, 2, 0))
-    rate = 1j * problem.omega
+    everything = list(range(dynamic.shape[1]))
+    here = everything[here] if isinstance(here, slice) else list(here)
+    if not here:
+        return np.repeat(np.linalg.solve(dynamic, force), len(damping), axis=0)
+    rest = [k for k in everything if k not in here]
+    p, n, r = len(here), len(dynamic), force.shape[-1]
+    inner, right = dynamic[:, here][:, :, here], force[0][:, here]
+    if rest:
+        follow = np.linalg.solve(dynamic[:, rest][:, :, rest], np.concatenate([dynamic[:, rest][:, :, here], force[0][:, rest]], axis=-1))
+        coupling = dynamic[:, here][:, :, rest]
+        inner, right = inner - coupling @ follow[..., :p], right - coupling @ follow[..., p:]
+    base = np.ascontiguousarray(np.concatenate([inner, right], axis=-1).transpose(1, 2, 0))
+    out = np.empty((len(damping), p + len(rest), r, n), dtype=complex)
     count = max(1, _CHUNK // n)
+    rows = np.asarray(problem.rows)
     for start in range(0, len(damping), count):
         part = slice(start, start + count)
-        some = damping[part]
-        work = np.repeat(base[:, :, None, :], len(some), axis=2)
-        for i, row in zip(here, problem.rows, strict=True):
-            for j, column in zip(here, problem.rows, strict=True):
-                work[i, j] += some[:, row, column, None] * rate
-            if wave_force is not None:
-                work[i, q : q + wave_force.shape[1]] += wave_force[part, :, row].transpose(1, 0, 2)
-        out[part] = eliminated(work, q)
-    return out
+        drag = damping[part][:, rows[:, None], rows], None if wave_force is None else wave_force[part][:, :, rows]
+        x = solve_equations(lambda drag=drag: _with_drag(base, *drag, problem.omega))
+        for k, place in enumerate(here):
+            out[part, place] = x[k].swapaxes(0, 1)
+        for k, place in enumerate(rest):
+            moved = follow[:, k, p:].T[:, None] - sum(follow[:, k, j] * x[j] for j in range(p))
+            out[part, place] = moved.swapaxes(0, 1)
+    return out.transpose(0, 3, 1, 2)
 
 
-def eliminated(work: np.ndarray, q: int) -> np.ndarray:
-    """Return the solutions (s, n, q, r) of equations (q, q + r, s, n), the right sides behind the matrices."""
-    original = work.copy()
+def _with_drag(base, damping, wave_force, omega) -> np.ndarray:
+    """Return equations (p, p + r, s, n), the right sides behind the matrices: base (p, p + r, n) with drag of s states added."""
+    p = len(base)
+    work = np.empty((p, base.shape[1], len(damping), len(omega)), dtype=complex)
+    work.real[:], work.imag[:, p:] = base.real[:, :, None], base.imag[:, p:, None]
+    np.add(damping.transpose(1, 2, 0)[..., None] * omega, base.imag[:, :p, None], out=work.imag[:, :p])
+    if wave_force is not None:
+        work[:, p : p + wave_force.shape[1]] += wave_force.transpose(2, 1, 0, 3)
+    return work
+
+
+def solve_equations(make: Callable[[], np.ndarray]) -> np.ndarray:
+    """Return the solutions (p, r, s, n) of equations (p, p + r, s, n), the right sides behind the matrices, across s and n at once.
+
+    make gives the equations anew each time. By elimination without pivoting, with it where a pivot was too small.
+    """
+    work = make()
+    p = len(work)
+    x = _eliminated(work, p)
+    if x is None:
+        work = make()
+        x = np.moveaxis(np.linalg.solve(*(np.moveaxis(m, (0, 1), (2, 3)) for m in (work[:, :p], work[:, p:]))), (2, 3), (0, 1))
+    return x
+
+
+def _eliminated(work: np.ndarray, p: int) -> np.ndarray | None:
+    """Return the solutions (p, r, s, n) of equations (p, p + r, s, n), which are overwritten; None when a pivot was too small."""
+    first = work[0, p:].copy()
     with np.errstate(all="ignore"):
-        for k in range(q - 1):
+        for k in range(p - 1):
             factor = work[k + 1 :, k] / work[k, k]
-            for i in range(q - 1 - k):
+            for i in range(p - 1 - k):
                 work[k + 1 + i, k + 1 :] -= factor[i] * work[k, k + 1 :]
-        x = work[:, q:]
-        for k in range(q - 1, -1, -1):
-            for j in range(k + 1, q):
+        x = work[:, p:]
+        for k in range(p - 1, -1, -1):
+            for j in range(k + 1, p):
                 x[k] -= work[k, j] * x[j]
             x[k] /= work[k, k]
-        residual = sum(original[0, j] * x[j] for j in range(q)) - original[0, q:]
-        bad = ~(np.abs(residual).max(axis=0) <= 1e-8 * np.abs(original[:, q:]).max(axis=(0, 1)).clip(1e-300))
-    out = x.transpose(2, 3, 0, 1)
-    if bad.any():
-        out = out.copy()
-        a, b = (np.moveaxis(m[:, :, bad], -1, 0) for m in (original[:, :q], original[:, q:]))
-        out[bad] = np.linalg.solve(a, b)
-    return out
+        residual = np.abs(sum(work[0, j] * x[j] for j in range(p)) - first).max(initial=0.0)
+    return x if residual <= 1e-8 * np.abs(first).max(initial=1e-300) else None

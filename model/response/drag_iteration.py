@@ -12,7 +12,12 @@ import numpy as np
 
 from model.system.drag import DragMembers, borgman_coefficients, element_motion, linear_drag, mean_flow_coefficients
 
-MODELS = ("relative", "body", "global", "none")
+MODELS = ("relative", "third_order", "body", "global", "none")
+
+
+def linear_drag_model(model: str) -> str:
+    """Return the drag model with constant coefficients that a model is built on: "relative" for "third_order", else itself."""
+    return "relative" if model == "third_order" else model
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -22,7 +27,8 @@ class DragProblem:
     members; motion (e, 2, 6) of the elements along their resisted directions; water (m, 2 e, n) the water's velocity along them per
     metre of wave amplitude, zero unless drag is relative; omega (n); rows (p) of the platform motions that are kept; weights of the
     wave spectra (s, m, n) and wind inputs (s, w, n), spectrum times step; quadratic (6, 6) damping; model, one of MODELS; flow (e, 2) steady current along the resisted
-    directions, None without.
+    directions, None without; incoherent (n, p, p) spectra times step of the platform velocities that no input drives linearly (one
+    state only), None without.
     """
 
     members: DragMembers
@@ -35,6 +41,12 @@ class DragProblem:
     quadratic: np.ndarray
     model: str
     flow: np.ndarray | None = None
+    incoherent: np.ndarray | None = None
+
+    @property
+    def waves_drive(self) -> bool:
+        """Whether drag takes the water's velocity."""
+        return linear_drag_model(self.model) == "relative"
 
     @property
     def active(self) -> bool:
@@ -63,7 +75,7 @@ def drag_problem(
     """
     if model not in MODELS:
         raise ValueError(f"drag model {model!r} is none of {', '.join(MODELS)}")
-    moving = np.ascontiguousarray(water if model == "relative" else np.zeros_like(water), dtype=complex)
+    moving = np.ascontiguousarray(water if linear_drag_model(model) == "relative" else np.zeros_like(water), dtype=complex)
     return DragProblem(
         members=members, motion=element_motion(members, directions), water=moving, omega=omega, rows=list(rows),
         wave_weight=wave_weight, wind_weight=wind_weight, quadratic=quadratic, model=model,
@@ -82,29 +94,45 @@ def at_rest(problem: DragProblem) -> Linearised | None:
 def coefficients(problem: DragProblem, solution: np.ndarray, here) -> Linearised:
     """Return the coefficients for the motions of a solution (s, n, q, m + w), platform motions at places `here`."""
     rate = solution[:, :, here, :] * (1j * problem.omega[:, None, None])
-    s, _, p, _ = rate.shape
-    waves, headings = problem.wave_weight, problem.wave_weight.shape[1]
-    flat = problem.motion.reshape(-1, 6)[:, problem.rows]
-    weights = np.concatenate([waves, problem.wind_weight], axis=1)[:, : rate.shape[-1]]
+    own_covariance = _rate_covariance(problem, rate)
+    own = np.zeros((len(rate), 6))
+    own[:, problem.rows] = np.sqrt(8 / np.pi * np.diagonal(own_covariance, axis1=1, axis2=2))
+    return Linearised(b=_borgman(problem, _covariance(problem, rate, own_covariance)), own=own)
+
+
+def velocity_covariance(problem: DragProblem, solution: np.ndarray, here) -> np.ndarray:
+    """Return the covariances (s, e, 2, 2) of the elements' relative velocity for a solution (s, n, q, m + w)."""
+    rate = solution[:, :, here, :] * (1j * problem.omega[:, None, None])
+    return _covariance(problem, rate, _rate_covariance(problem, rate))
+
+
+def _rate_covariance(problem: DragProblem, rate: np.ndarray) -> np.ndarray:
+    """Return the covariance (s, p, p) of the platform velocities (s, n, p, m + w)."""
+    weights = np.concatenate([problem.wave_weight, problem.wind_weight], axis=1)[:, : rate.shape[-1]]
     scaled = rate * np.sqrt(weights).transpose(0, 2, 1)[:, :, None, :]
-    columns = scaled.transpose(0, 2, 1, 3).reshape(s, p, -1)
-    own_covariance = (columns @ columns.conj().swapaxes(1, 2)).real
+    columns = scaled.transpose(0, 2, 1, 3).reshape(len(rate), rate.shape[2], -1)
+    numbers = np.ascontiguousarray(columns).view(float)  # the real part of a product with the conjugate is one of real matrices
+    out = numbers @ numbers.swapaxes(1, 2)
+    return out if problem.incoherent is None else out + problem.incoherent.sum(axis=0).real
+
+
+def _covariance(problem: DragProblem, rate: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """Return the covariances (s, e, 2, 2) of the relative velocity for platform velocities (s, n, p, m + w) of covariance (s, p, p)."""
+    s, _, p, _ = rate.shape
+    flat = problem.motion.reshape(-1, 6)[:, problem.rows]
     cross = np.zeros((s, len(flat), p))
     if np.any(problem.water):
-        for k in range(headings):
-            driven = np.ascontiguousarray((rate[..., k] * waves[:, k, :, None]).transpose(0, 2, 1)).view(float).reshape(s * p, -1)
+        for k, waves in enumerate(problem.wave_weight.swapaxes(0, 1)):
+            driven = np.ascontiguousarray((rate[..., k] * waves[:, :, None]).transpose(0, 2, 1)).view(float).reshape(s * p, -1)
             cross += (driven @ problem.water[k].view(float).T).reshape(s, p, -1).swapaxes(1, 2)
-    covariance = _assembled(problem, flat, own_covariance, cross)
-    own = np.zeros((s, 6))
-    own[:, problem.rows] = np.sqrt(8 / np.pi * np.diagonal(own_covariance, axis1=1, axis2=2))
-    return Linearised(b=_borgman(problem, covariance), own=own)
+    return _assembled(problem, flat, own, cross)
 
 
 def damping_and_force(problem: DragProblem, linear: Linearised) -> tuple[np.ndarray, np.ndarray | None]:
     """Return the drag damping (s, 6, 6) and the waves' drag force (s, m, 6, n), None when drag takes no part of the waves."""
     damping, per_velocity = linear_drag(problem.members, problem.motion, linear.b)
     damping = damping + problem.quadratic * linear.own[:, None, :]
-    if problem.model != "relative":
+    if not problem.waves_drive:
         return damping, None
     s, e = len(linear.b), len(problem.members)
     per = per_velocity.reshape(s * 6, 2 * e)
@@ -131,6 +159,15 @@ def mixed(history: list[tuple[Linearised, Linearised]]) -> Linearised:
     driving = (diagonal.min(axis=(1, 2), initial=0.0) < 0) | (flat[:, -6:].min(axis=1) < 0)
     flat = np.where(driving[:, None], g1, flat)
     return Linearised(b=flat[:, :-6].reshape(new.b.shape), own=flat[:, -6:])
+
+
+def trapezoid_weights(omega: np.ndarray) -> np.ndarray:
+    """Return trapezoidal weights of a frequency grid."""
+    step = np.diff(omega)
+    out = np.zeros_like(omega)
+    out[:-1] += step / 2
+    out[1:] += step / 2
+    return out
 
 
 def change(old: Linearised, new: Linearised) -> np.ndarray:

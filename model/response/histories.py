@@ -28,7 +28,7 @@ class Histories:
 def synthesise(
     channels: ChannelResponse, response: Response, duration: float, step: float, seed: int, names: Sequence[str] | None = None
 ) -> Histories:
-    """Return one realisation of a state's channels, all of the same waves and wind.
+    """Return one realisation of a state's channels, all of the same waves and wind; drag's incoherent part is not in it.
 
     duration [s], step [s]; seed of the random phases, uniform with the amplitudes of the spectra (as OpenFAST with WaveNDAmp
     False); names of channels, by default all. Raises ValueError for a duration shorter than ten steps.

@@ -48,7 +48,7 @@ class LinearOutputs:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ChannelResponse:
     """Channels of a response: to_wave (m, n, c) per metre of wave amplitude, to_wind (n, c) per m/s, to_gradients (2, n, c) per
-    (m/s)/m, mean (c), names, units.
+    (m/s)/m, mean (c), names, units; incoherent (n, c), spectra that no input causes linearly, one-sided per rad/s.
     """
 
     names: tuple[str, ...]
@@ -57,6 +57,7 @@ class ChannelResponse:
     to_wind: np.ndarray
     to_gradients: np.ndarray
     mean: np.ndarray
+    incoherent: np.ndarray
 
     def index(self, name: str) -> int:
         """Return the place of a channel; raise KeyError with the known names."""
@@ -98,8 +99,17 @@ def channel_response(outputs: LinearOutputs, response: Response) -> ChannelRespo
     return ChannelResponse(
         names=outputs.names, units=outputs.units, to_wave=apply(response.to_wave) + _elevation(outputs, response),
         to_wind=apply(response.to_wind) + outputs.wind[:, 0], mean=outputs.mean,
-        to_gradients=apply(response.to_gradients) + outputs.wind[:, 1:].T[:, None],
+        to_gradients=apply(response.to_gradients) + outputs.wind[:, 1:].T[:, None], incoherent=_incoherent(outputs, response),
     )  # fmt: skip
+
+
+def _incoherent(outputs: LinearOutputs, response: Response) -> np.ndarray:
+    """Return the spectra (n, c) of the channels for the incoherent part of the motions."""
+    omega = response.excitation.omega[:, None, None]
+    if not np.any(response.incoherent):
+        return np.zeros((len(omega), len(outputs.names)))
+    rows = outputs.position + 1j * omega * outputs.velocity - omega**2 * outputs.acceleration
+    return ((rows @ response.incoherent) * rows.conj()).sum(axis=-1).real
 
 
 def _elevation(outputs: LinearOutputs, response: Response) -> np.ndarray | float:
@@ -119,9 +129,9 @@ def response_spectra(channels: ChannelResponse, response: Response) -> np.ndarra
 
 
 def spectra_by_cause(channels: ChannelResponse, response: Response) -> tuple[np.ndarray, np.ndarray]:
-    """Return the parts (n, c), (n, c) of the response spectra that waves and wind cause."""
+    """Return the parts (n, c), (n, c) of the response spectra that waves, with drag's incoherent part, and wind cause."""
     drive = response.excitation
-    waves = np.einsum("mnc,mn->nc", np.abs(channels.to_wave) ** 2, drive.wave_spectrum)
+    waves = np.einsum("mnc,mn->nc", np.abs(channels.to_wave) ** 2, drive.wave_spectrum) + channels.incoherent
     gusts = np.abs(channels.to_wind) ** 2 * drive.wind_spectrum[:, None]
     gradients = (np.abs(channels.to_gradients) ** 2).sum(axis=0) * drive.gradient_spectrum[:, None]
     return waves, gusts + gradients

@@ -17,7 +17,7 @@ def motion_covariance(response: Response) -> np.ndarray:
     columns.append(response.to_wind * np.sqrt(drive.wind_spectrum * weights)[:, None])
     columns += [g * np.sqrt(drive.gradient_spectrum * weights)[:, None] for g in response.to_gradients]
     x = np.concatenate(columns)
-    return (x.T @ x.conj()).real
+    return (x.T @ x.conj() + np.tensordot(weights, response.incoherent, axes=1)).real
 
 
 def mooring_shift(system: System, mean: Equilibrium, covariance) -> np.ndarray:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.environment.airy import wave_velocity, wavenumber
-from model.response.batch import eliminated
+from model.response.batch import solve_equations
 from model.system.drag import DragMembers, borgman_coefficients, element_motion, resisted_directions
 
 _CHUNK = 4096  # equations solved together: bounds the memory they fill
@@ -130,10 +130,14 @@ def _solved(base, index, damping, wave_force, omega) -> np.ndarray:
     step = max(1, _CHUNK // n)
     for start in range(0, len(index), step):
         part = slice(start, start + step)
-        work = base[:, :, index[part]]
-        work[:, :6] += damping[part].transpose(1, 2, 0)[..., None] * (1j * omega)
-        work[:, 6] += wave_force[part].transpose(1, 0, 2)
-        out[part] = eliminated(work, 6).transpose(0, 2, 3, 1)
+
+        def equations(part=part):
+            work = base[:, :, index[part]]
+            work[:, :6].imag += damping[part].transpose(1, 2, 0)[..., None] * omega
+            work[:, 6] += wave_force[part].transpose(1, 0, 2)
+            return work
+
+        out[part] = solve_equations(equations).transpose(2, 0, 1, 3)
     return out
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,11 +22,14 @@ from model.response.drag_iteration import (
     damping_and_force,
     drag_problem,
     mixed,
+    trapezoid_weights,
 )
+from model.response.drag_residue import group_elements, residue
 from model.system.drag import resisted_directions
 from model.system.hydro import excitation_at, radiation_at
 
 DRAG_MODELS = MODELS
+_SETTLED = 0.02  # change of the incoherent motions' variance, itself a few per cent of the whole, at which the third order is left
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -53,7 +56,8 @@ class Response:
 
     dofs (q); to_wave (m, n, q) per metre of wave amplitude at each heading, to_wind (n, q) per m/s, to_gradients (2, n, q) per
     (m/s)/m of the vertical and lateral gradient; excitation; offset (q);
-    drag_damping (6, 6) and drag iterations; dynamic stiffness (n, q, q) that was solved, drag included.
+    drag_damping (6, 6) and drag iterations; dynamic stiffness (n, q, q) that was solved, drag included; incoherent (n, q, q), spectra of
+    the motions that drag causes without coherence with any input, one-sided per rad/s (zero for linear drag).
     """
 
     dofs: tuple[str, ...]
@@ -66,11 +70,13 @@ class Response:
     iterations: int
     converged: bool
     dynamic_stiffness: np.ndarray
+    incoherent: np.ndarray
 
     def __post_init__(self):
         q = len(self.dofs)
         freeze(
             self, to_wave=("m", "n", q), to_wind=("n", q), to_gradients=(2, "n", q), offset=(q,), drag_damping=(6, 6), dynamic_stiffness=("n", q, q),
+            incoherent=("n", q, q),
         )  # fmt: skip
 
 
@@ -149,7 +155,9 @@ def solve(
 
     Drag is linearised for the Gaussian relative velocity between water and body ("relative"), the body's own
     velocity at every element ("body") or one for all strips and one for all end plates ("global", as the source
-    thesis), or left out ("none"), and iterated until no element's coefficient changes by more than `tolerance` of the largest. grid comes from `prepare`, with default settings when it is not given.
+    thesis), or left out ("none"), and iterated until no element's coefficient changes by more than `tolerance` of the largest.
+    "third_order" adds to "relative" what the linearisation leaves over, to third order (`drag_residue`); with a current
+    it is the same as "relative". grid comes from `prepare`, with default settings when it is not given.
     Raises ValueError for an unknown drag model.
     """
     omega = drive.omega
@@ -164,18 +172,55 @@ def solve(
     force[:, :, m:] = np.vstack([system.wind_force, system.gradient_force])[:winds].T
     problem = _problem(system, drive, grid, drag, rows)
     damping, iterations, converged = np.zeros((6, 6)), 0, True
+    incoherent, added = np.zeros((n, q, q), dtype=complex), 0.0
     if problem.active:
         solution, damping, iterations, worst = iterate(problem, dynamic, force[None], here, tolerance=tolerance, limit=limit)
+        if drag == "third_order" and problem.flow is None and len(system.drag):
+            solution, damping, incoherent, added, worst = _third_order(
+                problem, dynamic, force, solution, damping, here, tolerance=tolerance, limit=limit
+            )
         solution, damping, converged = solution[0], damping[0], bool(worst[0] < tolerance)
     else:
         solution = np.linalg.solve(dynamic, force)
-    full = dynamic.copy()
-    full[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * damping[np.ix_(rows, rows)]
+    full = _with_damping(dynamic, omega, here, damping[np.ix_(rows, rows)] + added)
     gradients = np.moveaxis(solution[:, :, m + 1 :], -1, 0) if winds == 3 else np.zeros((2, n, q), dtype=complex)
     return Response(
         dofs=system.dofs, to_wave=np.moveaxis(solution[:, :, :m], -1, 0), to_wind=solution[:, :, m], to_gradients=gradients, excitation=drive,
-        offset=mean.offset, drag_damping=damping, iterations=iterations, converged=converged, dynamic_stiffness=full,
+        offset=mean.offset, drag_damping=damping, iterations=iterations, converged=converged, dynamic_stiffness=full, incoherent=incoherent,
     )  # fmt: skip
+
+
+def _third_order(problem: DragProblem, dynamic, force, solution, damping, here, *, tolerance: float, limit: int):
+    """Return motions (1, n, q, r), drag damping (1, 6, 6), spectra (n, q, q) of the incoherent motions, the damping (n, p, p) that
+    came in by the third order, and the last change (1), beginning with the solution of linear drag.
+    """
+    omega, places = problem.omega, np.asarray(here)
+    inner, weights = np.ix_(problem.rows, problem.rows), trapezoid_weights(omega)[:, None, None]
+    groups, added, size, worst = group_elements(problem, solution[0], here), 0.0, 0.0, np.zeros(1)
+    if groups is None:
+        return solution, damping, np.zeros_like(dynamic), added, worst
+    for _ in range(limit):
+        receptance = np.linalg.inv(_with_damping(dynamic, omega, here, damping[0][inner] + added))
+        left = residue(problem, groups, solution[0], receptance, here)
+        added, driven = left.damping, force.copy()
+        driven[:, here, : len(left.wave_force)] += left.wave_force.transpose(1, 2, 0)
+        reach = receptance[:, :, places]
+        incoherent = reach @ left.force_spectrum @ reach.conj().swapaxes(1, 2)
+        rates = incoherent[:, places[:, None], places] * (omega**2)[:, None, None] * weights
+        problem = replace(problem, incoherent=rates)
+        start, solved = coefficients(problem, solution, here), _with_damping(dynamic, omega, here, added)
+        solution, damping, _, worst = iterate(problem, solved, driven[None], here, tolerance=tolerance, limit=limit, start=start)
+        before, size = size, np.einsum("nii->i", rates).real
+        if np.all(np.abs(size - before) < _SETTLED * size.clip(1e-300)):
+            break
+    return solution, damping, incoherent, added, worst
+
+
+def _with_damping(dynamic, omega, here, damping) -> np.ndarray:
+    """Return dynamic stiffness (n, q, q) with more damping (p, p) or (n, p, p) on the platform motions."""
+    out = dynamic.copy()
+    out[:, np.asarray(here)[:, None], here] += 1j * omega[:, None, None] * damping
+    return out
 
 
 def iterate(
@@ -232,15 +277,6 @@ def dynamic_stiffness(system: System, mean: Equilibrium, grid: Grid, here, rows)
     inner = np.ix_(rows, rows)
     radiation = -(w**2) * grid.added_mass + 1j * w * grid.radiation_damping
     out[:, np.asarray(here)[:, None], here] += radiation[(slice(None), *inner)]
-    return out
-
-
-def trapezoid_weights(omega: np.ndarray) -> np.ndarray:
-    """Return trapezoidal weights of a frequency grid."""
-    step = np.diff(omega)
-    out = np.zeros_like(omega)
-    out[:-1] += step / 2
-    out[1:] += step / 2
     return out
 
 

@@ -116,4 +116,5 @@ def linear_drag(members: DragMembers, motion: np.ndarray, coefficients: np.ndarr
     """
     scaled = members.factor[:, None, None] * coefficients
     per_velocity = np.einsum("sai,...sab->...isb", motion, scaled)
-    return np.einsum("...isb,sbj->...ij", per_velocity, motion), per_velocity
+    flat = per_velocity.reshape(*per_velocity.shape[:-2], -1)
+    return flat @ motion.reshape(-1, 6), per_velocity

@@ -195,7 +195,7 @@ def test_drag_models(simple_body, plate):
     assert not none.drag_damping.any()
     assert none.iterations == 0
     assert none.converged
-    with pytest.raises(ValueError, match="drag model 'relativ' is none of relative, body, global, none"):
+    with pytest.raises(ValueError, match="drag model 'relativ' is none of relative, third_order, body, global, none"):
         solve(system, mean, drive, drag="relativ")
 
 

@@ -30,6 +30,12 @@ CHANNELS = {
 SI = {"deg": np.pi / 180, "kN": 1e3, "kN-m": 1e3}
 
 
+@pytest.fixture(scope="module")
+def oc4(oc4):
+    """With linear drag: what follows the waves is then all of the response."""
+    return replace(oc4, case=replace(oc4.case, options=replace(oc4.case.options, drag_model="relative")))
+
+
 @pytest.fixture(scope="module", autouse=True)
 def coarse_model():
     """The model on fewer frequencies, for speed: records and comparison are made from the same."""
