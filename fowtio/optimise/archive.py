@@ -14,7 +14,7 @@ from fowtio.write.atomic import atomic_file
 from model.design.quantities import Constraint, Evaluation
 from model.design.space import DIMENSIONS, DesignSpace
 
-CHUNK = 25
+CHUNK = 50
 """Designs evaluated together: a constant, so that results do not depend on how many processors share them."""
 
 

@@ -102,7 +102,7 @@ Name          WindSpeed  Turbulence  Spectrum     Hs        Tp    Gamma  WaveDir
 {rows}
 ---------------------- OPTIONS -------------------------------------------------
 "input/frequencies.txt"  FreqFile      - frequencies of the search (Hz)
-1e-9             DragTol       - as in the search
+3e-9             DragTol       - as in the search
 "relative"       DragModel     - as in the search
 "hydrostatic"    LowFreqExctn  - excitation below the data: hold (lowest value, as HydroDyn) or hydrostatic (its limit)
 {plain(result.setting.duration):<16} Duration      - time that expected extremes are given for (s)

@@ -115,8 +115,11 @@ class OptimisationStudy:
         return next(s for s in self.stages if s.name == name)
 
 
-DEFAULT_BANDS = (
-    FrequencyBand(low=0.003, high=0.07, count=100), FrequencyBand(low=0.0715, high=0.25, count=40), FrequencyBand(low=0.256, high=0.7, count=25),
+DEFAULT_BANDS = tuple(
+    FrequencyBand(low=low, high=high, count=count)
+    for low, high, count in (
+        (0.0005, 0.003, 8), (0.0032, 0.03, 70), (0.0305, 0.075, 60), (0.077, 0.25, 24), (0.256, 0.4, 12), (0.404, 0.6, 36), (0.61, 1.0, 12)
+    )
 )  # fmt: skip
 
 

@@ -50,13 +50,15 @@ def element_set(members: DragMembers, designs: int, omega, heading: float, depth
     directions = resisted_directions(members)
     motion = element_motion(members, directions).reshape(designs, -1, 6)
     along, upward = wave_velocity(omega, wavenumber(omega, depth, gravity), depth, members.position, heading)
-    level = directions[..., 0] * np.cos(heading) + directions[..., 1] * np.sin(heading)
-    water = level[..., None] * along[:, None] + directions[..., 2, None] * upward[:, None]
+    level, rise = directions[..., 0] * np.cos(heading) + directions[..., 1] * np.sin(heading), directions[..., 2]
+    water = level[..., None] * along[:, None]
+    tilted = rise != 0  # of upright members neither direction is
+    water[tilted] += rise[tilted][:, None] * upward[np.nonzero(tilted)[0]]
     return ElementSet(factor=members.factor.reshape(designs, -1), motion=motion, water=water.reshape(designs, -1, len(omega)))
 
 
 def solve_population(
-    omega, dynamic, force, weight, elements: ElementSet, *, tolerance: float = 1e-9, limit: int = 60
+    omega, dynamic, force, weight, elements: ElementSet, *, tolerance: float = 3e-9, limit: int = 60
 ) -> PopulationResponse:
     """Return the responses of N designs, drag linearised for the relative velocity and iterated to convergence.
 

@@ -29,6 +29,7 @@ REDUCED = (
 )
 MIRROR = np.array([1.0, -1, 1, -1, 1, -1])
 TAIL_POWERS = (2.0, 4.0, 2.0)
+_TABLES = 4
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,6 +72,11 @@ class HydroDatabase:
         return make_interp_spline(self.scaled_frequency, np.asarray(self.values, dtype=float), k=3, axis=4).c.transpose(
             1, 2, 3, 4, 0, 5
         )
+
+    @cached_property
+    def tables(self) -> dict[tuple, np.ndarray]:
+        """Spline coefficients at the depths and headings that were asked for last."""
+        return {}
 
     @cached_property
     def knots(self) -> np.ndarray:
@@ -235,14 +241,19 @@ def _table(database: HydroDatabase, depth: float, heading: np.ndarray) -> np.nda
         raise ValueError(
             f"the depth is {depth:g} m, the database holds {shallow:g} m and deeper; build one for that depth"
         )
+    key = (float(depth), heading.tobytes())
+    if key in database.tables:
+        return database.tables[key]
     share, _ = lagrange(database.inverse_depth, np.array([inverse]))
     table = np.tensordot(share[0], database.splines, axes=1)
     table = table.reshape(-1, *table.shape[3:])
     turn = heading_map(database.heading, heading).reshape(6 * len(heading), -1)
     half = 6 * len(database.heading)
-    return np.concatenate(
-        [table[..., :10], table[..., 10 : 10 + half] @ turn.T, table[..., 10 + half :] @ turn.T], axis=-1
-    )
+    found = np.concatenate([table[..., :10], table[..., 10 : 10 + half] @ turn.T, table[..., 10 + half :] @ turn.T], axis=-1)
+    if len(database.tables) >= _TABLES:
+        database.tables.clear()
+    database.tables[key] = found
+    return found
 
 
 def _weights(database: HydroDatabase, designs: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:

@@ -16,8 +16,7 @@ import fowtio
 from fowtio.optimise.study import load_optimisation
 
 SITES = Path(__file__).resolve().parents[2] / "validation" / "sites"
-BANDS = """------- FREQUENCIES --------------------------------------------------------
-2            NFrequencies
+BANDS = """2            NFrequencies
 Low    High  Count
 (Hz)   (Hz)  (-)
 0.003  0.07  24
@@ -29,7 +28,8 @@ Low    High  Count
 def small_study(tmp_path):
     """The Tuscany study with few frequencies and two stages of small populations, in a folder of its own."""
     text = (SITES / "tuscany.opt").read_text()
-    text = text.replace("200         4  ", "8           3  ").replace("200         3  ", "12          2  ").replace("------- STAGES", BANDS + "------- STAGES", 1)
+    rows = text[text.index("7            NFrequencies") : text.index("------- DESIGN VARIABLES")]
+    text = text.replace(rows, BANDS).replace("200         4  ", "8           3  ").replace("200         3  ", "12          2  ")
     path = tmp_path / "study" / "small.opt"
     path.parent.mkdir()
     path.write_text(text.replace("------- FATIGUE", "False        Polish          - going downhill from what the search found\n------- FATIGUE", 1))
@@ -58,7 +58,7 @@ def test_the_design_by_the_main_job_has_the_numbers_of_the_search(cli, small_stu
     item = next(x for x in fowtio.loads(fowtio.solve(model)) if x.state.name == "rated")
     index = item.channels.index("TwrBsMyt")
     moment = abs(item.statistics.mean[index]) + item.statistics.std[index]
-    # files in full precision and drag iterated to 1e-9 on both ways: what is asked is 1e-8
+    # files in full precision and drag iterated to 3e-9 on both ways: what is asked is 1e-8
     assert moment == pytest.approx(values["tower_moment:rated"], rel=1e-8)
     assert item.point.mean.offset[0] == pytest.approx(values["mean_surge:rated"], rel=1e-8)
     assert item.point.mean.offset[4] == pytest.approx(values["mean_pitch:rated"], rel=1e-8)
