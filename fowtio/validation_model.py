@@ -134,6 +134,18 @@ def incoherent_rao(side: ModelSide, found: Estimate, sample: float) -> np.ndarra
         return at_estimate(np.sqrt(top / bottom), side, found)
 
 
+def model_coherence(side: ModelSide, found: Estimate, sample: float) -> np.ndarray:
+    """Return the coherence (n, c) that the model expects with its main heading's waves, seen through the estimate's window.
+
+    Below one where drag answers the waves incoherently, and where the window spans a turning phase.
+    """
+    waves, transfer = side.waves[side.main][:, None], side.to_wave[side.main]
+    spectra = transfer * waves, np.abs(transfer) ** 2 * waves + side.incoherent_in_waves, waves
+    cross, power, waves = (smooth_like_welch(np.concatenate([0 * x[:1], x]), side.step, found.segment, sample) for x in spectra)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return at_estimate(np.abs(cross) ** 2 / (power * waves), side, found)
+
+
 def phase_at(side: ModelSide, found: Estimate) -> np.ndarray:
     """Return the phase [rad] of the model's response to its main heading on the estimate's frequencies (n, c)."""
     turns = side.to_wave[side.main]
