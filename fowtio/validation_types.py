@@ -71,12 +71,14 @@ class ChannelComparison:
     rao_verdict: str
 
     @property
+    def verdicts(self) -> list[str]:
+        """The verdicts on what is judged."""
+        return [v for v in (self.std_verdict, self.state_verdict, self.mean_verdict, self.rao_verdict) if v != NOT_JUDGED]
+
+    @property
     def verdict(self) -> str:
         """The worst of the verdicts, "not judged" without any."""
-        found = [
-            v for v in (self.std_verdict, self.state_verdict, self.mean_verdict, self.rao_verdict) if v != NOT_JUDGED
-        ]
-        return next((v for v in (OUTSIDE, SCATTER, WITHIN) if v in found), NOT_JUDGED)
+        return next((v for v in (OUTSIDE, SCATTER, WITHIN) if v in self.verdicts), NOT_JUDGED)
 
     @property
     def passed(self) -> bool:

@@ -59,14 +59,16 @@ def report(model, found: Sequence, decays: Sequence = (), pictures: Sequence = (
 
 def cards(found: Sequence, decays: Sequence = ()) -> list[Card]:
     """Return the key figures of the overview: the verdict, the worst channel of each comparison, the decay tests."""
-    judged = [c for i in found for c in i.channels if c.verdict != "not judged"]
-    good = sum(c.passed for c in judged) + sum(d.passed for d in decays)
+    judged = [v for i in found for c in i.channels for v in c.verdicts] + ["within" if d.passed else "outside" for d in decays]
+    chance = judged.count("within scatter")
     wrong = sum(f.severity == "error" for i in found for f in i.findings)
+    notes = [f"{chance} more inside the seeds' own scatter"] if chance else []
+    notes.append(f"{wrong} doubts about the reference" if wrong else "nothing wrong with the reference")
     out = [
         Card(
             label="Judged figures inside their tolerance",
-            value=f"{good} of {len(judged) + len(decays)}",
-            note=f"{wrong} doubts about the reference" if wrong else "nothing wrong with the reference",
+            value=f"{judged.count('within')} of {len(judged)}",
+            note="; ".join(notes),
         )
     ]
     for item in found:

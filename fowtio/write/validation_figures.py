@@ -264,7 +264,7 @@ def history_figure(item, names: Sequence[str], numbers: dict[str, int]) -> Drawi
 
 def decay_figure(decays: Sequence) -> Drawing:
     """Return the histories of decay tests and the damping ratio against the amplitude."""
-    figure, axes = grid(len(decays), 2, height=1.7, gaps=(0.55,), between=0.75)
+    figure, axes = grid(len(decays), 2, height=1.7, gaps=(0.78,), between=0.75)
     _widen(axes, (0.62, 0.38))
     handles: dict = {}
     for row, d in enumerate(decays):
