@@ -82,6 +82,7 @@ class Options:
     low_frequency_excitation: str = "hold"
     wind_spectrum: str = "kaimal"
     wind_averaging: str = "rotor"
+    wind_inputs: str = "rotor"
     duration: float = 3600.0
     extras: ExtraOutputs = field(default_factory=ExtraOutputs)
 
@@ -125,7 +126,7 @@ _OPTIONS = {
     "FreqMin": ("frequency_low", float), "FreqMax": ("frequency_high", float), "NFreq": ("frequency_count", int),
     "DragModel": ("drag_model", DRAG_MODELS), "LowFreqExctn": ("low_frequency_excitation", LOW_FREQUENCY),
     "WindSpectrum": ("wind_spectrum", WIND_SPECTRA), "WindAveraging": ("wind_averaging", ("rotor", "point")),
-    "Duration": ("duration", float),
+    "WindInputs": ("wind_inputs", ("rotor", "blades")), "Duration": ("duration", float),
 }  # fmt: skip
 _EXTRAS = ("TowerSections", "ModalTowerLoads", "AnchorTensions", "AirGapPoints", "DirectLin")
 _NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "TurbineFile", "HullFile", "ThrustTable", *TABLES, *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
