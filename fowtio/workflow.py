@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fowtio.case import ALL_DOFS, Case, LinearisationEntry, StateEntry
+from fowtio.case import ALL_DOFS, EXTREME, Case, LinearisationEntry, StateEntry
 from fowtio.errors import CaseError, FormatError, ModelError, Problem
 from fowtio.read.hydrodyn import drag_members
 from fowtio.read.openfast_deck import Deck, deck_hydro, read_deck
@@ -213,7 +213,11 @@ def _wind(case: Case, deck: Deck, state: StateEntry) -> WindState | None:
     if state.wind_speed == 0 or state.turbulence is None:
         return None
     structure, options = deck.elastodyn.structure, case.options
-    kind = {"turbulence_class": state.turbulence} if isinstance(state.turbulence, str) else {"turbulence_intensity": state.turbulence}
+    if isinstance(state.turbulence, str):
+        model_of = "ETM" if state.turbulence.startswith(EXTREME) else "NTM"
+        kind = {"turbulence_class": state.turbulence.removeprefix(EXTREME), "turbulence_model": model_of, "wind_class": options.wind_class.upper()}
+    else:
+        kind = {"turbulence_intensity": state.turbulence}
     return WindState(
         mean_speed=state.wind_speed, hub_height=structure.hub_height, rotor_diameter=structure.rotor.diameter,
         spectrum=options.wind_spectrum, averaging=options.wind_averaging, **kind,
