@@ -422,7 +422,7 @@ def write_validation(
 ) -> list:
     """Write the comparison: report, workbook, figures as PNG and SVG, tables as CSV; return the files written.
 
-    more: model (for report and workbook), decays and figures, as in `fowtio.write.validation.write_comparison`.
+    more: model (for report and workbook), decays, figures and extra_sections, as in `fowtio.write.validation.write_comparison`.
     """
     from fowtio.write.validation import write_comparison
 
