@@ -25,6 +25,7 @@ def time_case(path: Path, repeat: int = 20) -> list[tuple[str, float]]:
     rows.append(("mean offset", _best(lambda: equilibrium(point.system), repeat)))
     grid = prepare(point.system, drive.omega, drive.heading)
     rows.append(("drag and motions", _best(lambda: solve(point.system, point.mean, drive, grid=grid), repeat)))
+    rows.append(("the same with drag to third order", _best(lambda: solve(point.system, point.mean, drive, grid=grid, drag="third_order"), repeat)))
     rows.append(("one evaluation in all", _best(lambda: evaluate(model, grid), repeat)))
     return rows
 

@@ -28,6 +28,7 @@ SPECTRA = {
     "jonswap": "jonswap", "pm": "pierson_moskowitz", "pierson_moskowitz": "pierson_moskowitz", "white_noise": "white_noise",
     "torsethaugen": "torsethaugen", "ochi_hubble": "ochi_hubble", "still": "still",
 }  # fmt: skip
+EXTREME = "ETM-"  # before a turbulence class: the extreme turbulence model of IEC 61400-1
 WIND_SPECTRA = ("kaimal", "von_karman", "api")
 MASS_SOURCES = ("auto", "lin", "deck")
 TITLE_RULE = "FOWTIO STUDY FILE"
@@ -54,8 +55,8 @@ class TurbineEntry:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StateEntry:
-    """One sea and wind: name, wind_speed at hub height [m/s] (0: calm, the turbine parked), turbulence (a class, an intensity
-    as a fraction, or None for a steady wind), the sea, and further seas at the same time (swell).
+    """One sea and wind: name, wind_speed at hub height [m/s] (0: calm, the turbine parked), turbulence (a class, ETM- before
+    it for the extreme model, an intensity as a fraction, or None for a steady wind), the sea, and further seas at the same time (swell).
     """
 
     name: str
@@ -84,6 +85,8 @@ class Options:
     low_frequency_excitation: str = "hold"
     wind_spectrum: str = "kaimal"
     wind_averaging: str = "rotor"
+    wind_inputs: str = "rotor"
+    wind_class: str = "i"
     duration: float = 3600.0
     drag_tolerance: float = 1e-3
     frequencies: tuple[float, ...] = ()
@@ -129,7 +132,8 @@ _OPTIONS = {
     "FreqMin": ("frequency_low", float), "FreqMax": ("frequency_high", float), "NFreq": ("frequency_count", int),
     "DragModel": ("drag_model", DRAG_MODELS), "LowFreqExctn": ("low_frequency_excitation", LOW_FREQUENCY),
     "WindSpectrum": ("wind_spectrum", WIND_SPECTRA), "WindAveraging": ("wind_averaging", ("rotor", "point")),
-    "Duration": ("duration", float), "DragTol": ("drag_tolerance", float),
+    "WindInputs": ("wind_inputs", ("rotor", "blades")), "WindClass": ("wind_class", ("i", "ii", "iii")), "Duration": ("duration", float),
+    "DragTol": ("drag_tolerance", float),
 }  # fmt: skip
 _EXTRAS = ("TowerSections", "ModalTowerLoads", "AnchorTensions", "AirGapPoints", "DirectLin", "FreqFile")
 _NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "TurbineFile", "HullFile", "ThrustTable", *TABLES, *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
@@ -425,7 +429,9 @@ def read_states(source: InputFile, problems: Problems) -> tuple[StateEntry, ...]
     for k, line in enumerate(table.numbers_of_lines):
         row = {name: values[k] for name, values in columns.items()}
         try:
-            out.append(_state(row, band, line))
+            out.append(_state(row, band, line, source.path.parent))
+        except FormatError as error:
+            problems.add(f"state {row['Name']!r}: {error}", line)
         except ValueError as error:
             problems.add(f"state {row['Name']!r}: {error}", line)
     return _combined(out, problems)
@@ -442,14 +448,16 @@ def _combined(rows: list[StateEntry], problems: Problems) -> tuple[StateEntry, .
     return tuple(out.values())
 
 
-def _state(row: dict[str, str], band: tuple[float, float], line: int) -> StateEntry:
-    """Return one row of the table of states; raise ValueError saying which column is wrong."""
-    kind = SPECTRA.get(row["Spectrum"].lower())
+def _state(row: dict[str, str], band: tuple[float, float], line: int, folder: Path) -> StateEntry:
+    """Return one row of the table of states; raise ValueError saying which column is wrong, FormatError for a file of a spectrum."""
+    kind = "table" if "." in row["Spectrum"] else SPECTRA.get(row["Spectrum"].lower())
     if kind is None:
         near = difflib.get_close_matches(row["Spectrum"].lower(), SPECTRA, n=1)
         raise ValueError(f"Spectrum is {row['Spectrum']!r}" + (f"; did you mean {near[0]}?" if near else f", expected one of {', '.join(SPECTRA)}"))
     values: dict = {"kind": kind, "heading": np.radians(_cell(row, "WaveDir", 0.0))}
-    if kind != "still":
+    if kind == "table":
+        values["omega"], values["spectrum"] = _spectrum_table(folder / row["Spectrum"])
+    elif kind != "still":
         values["significant_height"] = _cell(row, "Hs")
     if kind in ("jonswap", "pierson_moskowitz", "torsethaugen"):
         values["peak_period"] = _cell(row, "Tp")
@@ -465,15 +473,31 @@ def _state(row: dict[str, str], band: tuple[float, float], line: int) -> StateEn
     return StateEntry(name=row["Name"], wind_speed=speed, turbulence=_turbulence(row["Turbulence"]), sea=SeaState(**values), line=line)
 
 
+def _spectrum_table(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Return omega [rad/s] and spectrum [m2/(rad/s)] of a text file of two columns, frequency [Hz] and m2/Hz."""
+    rows: list[list[float]] = []
+    for at, line in enumerate(read_lines(path), start=1):
+        parts = line.split("#")[0].replace(",", " ").replace(";", " ").split()
+        if not parts or (not rows and not parts[0][0].isdigit() and parts[0][0] not in ".+-"):
+            continue  # a comment, or a heading
+        try:
+            frequency, density = map(number, parts)
+        except ValueError:
+            raise FormatError(path, at, expected="two numbers, frequency in Hz and spectrum in m2/Hz", found=line.strip()) from None
+        rows.append([frequency, density])
+    found = np.array(rows).reshape(-1, 2).T
+    return 2 * np.pi * found[0], found[1] / (2 * np.pi)
+
+
 def _turbulence(text: str) -> str | float | None:
     if _blank(text) or text.lower() == "none":
         return None
-    if text.upper() in ("A+", "A", "B", "C"):
+    if text.upper().removeprefix(EXTREME) in ("A+", "A", "B", "C"):
         return text.upper()
     try:
         value = number(text)
     except ValueError:
-        raise ValueError(f"Turbulence is {text!r}, expected a class (A+, A, B, C), an intensity in per cent, or none") from None
+        raise ValueError(f"Turbulence is {text!r}, expected a class (A+, A, B, C; ETM-A for the extreme turbulence model), an intensity in per cent, or none") from None
     if not 0 <= value <= 100:
         raise ValueError(f"Turbulence is {value:g} %, expected 0 to 100")
     return value / 100 or None

@@ -129,7 +129,7 @@ def validate(
     """Compare with the reference time series that the study names: RAOs, spectra, means, decay tests; report and workbook."""
     from fowtio import report_data, terminal
     from fowtio.case import load
-    from fowtio.comparisons import compare_choices, drag_table, tower_table
+    from fowtio.comparisons import choices_section, compare_choices, drag_table, tower_table
     from fowtio.errors import CaseError, Problem
     from fowtio.validation import validate_study, write_validation
     from fowtio.workflow import build
@@ -141,8 +141,9 @@ def validate(
         model = build(study, progress=say)
         found, decays = validate_study(model, nonlinear=quadratic, progress=say)
         folder = out or Path("results") / f"{case.stem}_validation"
-        files = write_validation(found, folder, model=model, decays=decays, figures=figures, progress=say)
         drag, tower = compare_choices(model, found, progress=say) if choices else ((), ())
+        extra = [s for s in (choices_section(drag, tower),) if s is not None]
+        files = write_validation(found, folder, model=model, decays=decays, figures=figures, extra_sections=extra, progress=say)
     if json:
         document = report_data.validation_json(found, files, decays)
         _print_json(document | ({"drag_models": list(map(vars, drag)), "tower_loads": list(map(vars, tower))} if choices else {}))

@@ -84,13 +84,16 @@ _SECTIONS = {"TwrBsFxt": "shear", "TwrBsMyt": "moment"}
 
 @dataclass(frozen=True, kw_only=True)
 class TowerComparison:
-    """Error of a tower-base load's spectrum in one band [Hz]: integrated loads, and modal stiffness alone."""
+    """Error of a tower-base load's spectrum in one band [Hz]: integrated loads, and modal stiffness alone; and of both ways alone, from
+    the reference's own tower-top deflection instead of the model's."""
 
     state: str
     channel: str
     band: tuple[float, float]
     full: float
     modal: float
+    full_way: float
+    modal_way: float
     share: float
 
 
@@ -108,6 +111,7 @@ def compare_tower_loads(model: Model, found: Validation) -> tuple[TowerCompariso
     stiffness = point.system.stiffness[point.system.dofs.index("tower_fa1"), point.system.dofs.index("tower_fa1")]
     length = model.deck.elastodyn.structure.tower.length
     f, top = found.estimate.frequency, found.model_spectrum[:, names.index("TTDspFA")]
+    to_reference = found.estimate.output_spectrum[:, names.index("TTDspFA")] / np.where(top > 0, top, np.nan)
     out = []
     for name in (n for n in _SECTIONS if n in names):
         k = names.index(name)
@@ -118,9 +122,16 @@ def compare_tower_loads(model: Model, found: Validation) -> tuple[TowerCompariso
             energy = np.nansum(reference[inside])
             if energy < 1e-5 * np.nansum(reference):
                 continue
-            errors = [np.sqrt(np.nansum((np.sqrt(s[inside]) - np.sqrt(reference[inside])) ** 2) / energy) for s in (full, modal)]
-            share = float(energy / np.nansum(reference))
-            out.append(TowerComparison(state=found.state, channel=name, band=band, full=float(errors[0]), modal=float(errors[1]), share=share))
+            errors = [
+                float(np.sqrt(np.nansum((np.sqrt(s[inside]) - np.sqrt(reference[inside])) ** 2) / energy))
+                for s in (full, modal, full * to_reference, modal * to_reference)
+            ]
+            out.append(
+                TowerComparison(
+                    state=found.state, channel=name, band=band, full=errors[0], modal=errors[1], full_way=errors[2], modal_way=errors[3],
+                    share=float(energy / np.nansum(reference)),
+                )
+            )  # fmt: skip
     return tuple(out)
 
 
@@ -131,8 +142,20 @@ def tower_table(rows: tuple[TowerComparison, ...]):
     columns = (
         Column(name="State"), Column(name="Load"), Column(name="From", unit="Hz", decimals=3), Column(name="To", unit="Hz", decimals=3),
         Column(name="Share of variance", unit="%", decimals=1), Column(name="Integrated", unit="%", decimals=1),
-        Column(name="Modal stiffness", unit="%", decimals=1),
+        Column(name="Modal stiffness", unit="%", decimals=1), Column(name="Integrated, way alone", unit="%", decimals=1),
+        Column(name="Modal, way alone", unit="%", decimals=1),
     )  # fmt: skip
-    body = tuple((r.state, r.channel, *r.band, 100 * r.share, 100 * r.full, 100 * r.modal) for r in rows)
-    note = "Error of the spectrum's root in each band; integrated: inertia, gravity and air above the section."
+    body = tuple((r.state, r.channel, *r.band, *(100 * v for v in (r.share, r.full, r.modal, r.full_way, r.modal_way))) for r in rows)
+    note = (
+        "Error of the spectrum's root in each band; integrated: inertia, gravity and air above the section. Way alone: from the reference's "
+        "own tower-top deflection, so that errors of the motion do not hide or heal those of the way to the load."
+    )
     return Table(name="tower_loads", title="Tower-base loads: two ways, against the time series", columns=columns, rows=body, note=note)
+
+
+def choices_section(drag: Sequence[DragComparison], tower: Sequence[TowerComparison]):
+    """Return the report section of both comparisons, None when there is nothing to compare."""
+    from fowtio.write.report import Section
+
+    tables = tuple(make(tuple(rows)) for make, rows in ((drag_table, drag), (tower_table, tower)) if rows)
+    return Section(title="Modelling choices side by side", content=tables) if tables else None

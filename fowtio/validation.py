@@ -20,6 +20,7 @@ from fowtio.validation_model import (
     evaluate,
     hub_ratio,
     incoherent_rao,
+    model_coherence,
     moving_mean,
     one_wave,
     own_waves,
@@ -195,7 +196,7 @@ def _compare_rao(
     lack = lacking(side, records, found, waves=side.waves, wind=None)
     return Validation(
         **_common(state, "waves", reference, records, channels), estimate=found, model_rao=smooth, model_rao_raw=raw, model_phase=phase_at(side, found),
-        quadratic_rao=None if exact is None else exact.energy_rao, memory_rao=None if memory is None else memory.energy_rao,
+        model_coherence=model_coherence(side, found, records.step), quadratic_rao=None if exact is None else exact.energy_rao, memory_rao=None if memory is None else memory.energy_rao,
         model_spectrum=own, model_spectrum_raw=raw_spectrum, wave_part=own, **_distribution(records), narrowest=_narrowest(side, records),
         findings=_findings(model, state, records, side, found), lack=lack, histories=histories,
         wave_error=_input_error(records.cut(records.waves), side.waves.sum(axis=0), side),
@@ -421,7 +422,7 @@ def write_validation(
 ) -> list:
     """Write the comparison: report, workbook, figures as PNG and SVG, tables as CSV; return the files written.
 
-    more: model (for report and workbook), decays and figures, as in `fowtio.write.validation.write_comparison`.
+    more: model (for report and workbook), decays, figures and extra_sections, as in `fowtio.write.validation.write_comparison`.
     """
     from fowtio.write.validation import write_comparison
 

@@ -134,6 +134,18 @@ def incoherent_rao(side: ModelSide, found: Estimate, sample: float) -> np.ndarra
         return at_estimate(np.sqrt(top / bottom), side, found)
 
 
+def model_coherence(side: ModelSide, found: Estimate, sample: float) -> np.ndarray:
+    """Return the coherence (n, c) that the model expects with its main heading's waves, seen through the estimate's window.
+
+    Below one where drag answers the waves incoherently, and where the window spans a turning phase.
+    """
+    waves, transfer = side.waves[side.main][:, None], side.to_wave[side.main]
+    spectra = transfer * waves, np.abs(transfer) ** 2 * waves + side.incoherent_in_waves, waves
+    cross, power, waves = (smooth_like_welch(np.concatenate([0 * x[:1], x]), side.step, found.segment, sample) for x in spectra)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return at_estimate(np.abs(cross) ** 2 / (power * waves), side, found)
+
+
 def phase_at(side: ModelSide, found: Estimate) -> np.ndarray:
     """Return the phase [rad] of the model's response to its main heading on the estimate's frequencies (n, c)."""
     turns = side.to_wave[side.main]
@@ -224,19 +236,21 @@ def _spectrum(series: list[np.ndarray], step: float, segment: float) -> Estimate
 
 
 def moving_mean(side: ModelSide, records: Records, structure) -> np.ndarray:
-    """Return the means (c) of the channels with what the mean position at rest leaves out: the moorings' mean force while the floater
-    moves, and the mean thrust of the records (where they have it) instead of that in steady wind.
+    """Return the means (c) of the channels with what the mean position at rest leaves out: the moorings' mean force and tensions while the
+    floater moves, and the mean thrust of the records (where they have it) instead of that in steady wind.
     """
     point = side.point
     outputs, index = point.outputs, [point.outputs.names.index(n) for n in records.names]
-    force = mooring_shift(point.system, point.mean, motion_covariance(side.response))
+    force, tension = mooring_shift(point.system, point.mean, motion_covariance(side.response))
+    more = {f"T[{k}]": t for k, t in enumerate(tension, start=1)}
     change, per_speed = 0.0, float(point.system.wind_force[0])
     if records.thrust is not None and per_speed > 0 and point.mean.mooring is not None and "PtfmPitch" in records.names:
         pitch = np.mean([c[:, records.names.index("PtfmPitch")].mean() for c in records.cut(records.channels)])
         thrust = np.mean([t.mean() for t in records.cut(records.thrust)]) * np.cos(structure.rotor.tilt - pitch)
         change = (thrust + point.mean.mooring.force[0]) / per_speed
     offset = np.linalg.solve(point.mean.stiffness, force + point.system.wind_force * change)
-    return side.mean + outputs.position[index] @ offset + outputs.wind[index, 0] * change
+    pulled = np.array([more.get(n, 0.0) for n in records.names])
+    return side.mean + outputs.position[index] @ offset + outputs.wind[index, 0] * change + pulled
 
 
 def window_matrix(hz: np.ndarray, frequency: np.ndarray, segment: float, sample: float) -> np.ndarray:

@@ -71,12 +71,14 @@ class ChannelComparison:
     rao_verdict: str
 
     @property
+    def verdicts(self) -> list[str]:
+        """The verdicts on what is judged."""
+        return [v for v in (self.std_verdict, self.state_verdict, self.mean_verdict, self.rao_verdict) if v != NOT_JUDGED]
+
+    @property
     def verdict(self) -> str:
         """The worst of the verdicts, "not judged" without any."""
-        found = [
-            v for v in (self.std_verdict, self.state_verdict, self.mean_verdict, self.rao_verdict) if v != NOT_JUDGED
-        ]
-        return next((v for v in (OUTSIDE, SCATTER, WITHIN) if v in found), NOT_JUDGED)
+        return next((v for v in (OUTSIDE, SCATTER, WITHIN) if v in self.verdicts), NOT_JUDGED)
 
     @property
     def passed(self) -> bool:
@@ -101,7 +103,7 @@ class Validation:
     """A comparison of one state with its time series.
 
     kind: "waves" (RAOs against one long-crested sea), "spectra" (wind or several headings) or "mean" (nothing moves). channels;
-    estimate of the reference and model_rao (smoothed by its window), model_rao_raw, model_phase [rad], quadratic_rao, memory_rao on its frequencies (n, c);
+    estimate of the reference and model_rao (smoothed by its window), model_rao_raw, model_phase [rad], model_coherence, quadratic_rao, memory_rao on its frequencies (n, c);
     model_spectrum and model_spectrum_raw (n, c) per Hz in the reference's own inputs, wave_part (n, c) what the waves give of it;
     histograms: edges (b + 1) in standard deviations and the reference's densities (b, c);
     narrowest half-power width [Hz] of a peak; unmatched channels of the reference, missing ones; findings; lack, what the linear model
@@ -124,6 +126,7 @@ class Validation:
     model_rao: np.ndarray | None = None
     model_rao_raw: np.ndarray | None = None
     model_phase: np.ndarray | None = None
+    model_coherence: np.ndarray | None = None
     quadratic_rao: np.ndarray | None = None
     memory_rao: np.ndarray | None = None
     model_spectrum: np.ndarray | None = None

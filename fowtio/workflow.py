@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fowtio.case import ALL_DOFS, Case, LinearisationEntry, StateEntry
+from fowtio.case import ALL_DOFS, EXTREME, Case, LinearisationEntry, StateEntry
 from fowtio.errors import CaseError, FormatError, ModelError, Problem
 from fowtio.read.hydrodyn import drag_members
 from fowtio.read.openfast_deck import Deck, deck_hydro, read_deck
@@ -25,6 +25,7 @@ from model.response.loads import ChannelResponse, LinearOutputs, channel_respons
 from model.response.sections import ExtraOutputs, with_extras
 from model.response.solve import Excitation, Grid, Response, excitation, frequency_grid, prepare, solve
 from model.response.statistics import Statistics, statistics
+from model.system.blade_wind import blade_wind, sensitivity
 from model.system.contributions import (
     Contribution,
     added_mass_contribution,
@@ -213,7 +214,11 @@ def _wind(case: Case, deck: Deck, state: StateEntry) -> WindState | None:
     if state.wind_speed == 0 or state.turbulence is None:
         return None
     structure, options = deck.elastodyn.structure, case.options
-    kind = {"turbulence_class": state.turbulence} if isinstance(state.turbulence, str) else {"turbulence_intensity": state.turbulence}
+    if isinstance(state.turbulence, str):
+        model_of = "ETM" if state.turbulence.startswith(EXTREME) else "NTM"
+        kind = {"turbulence_class": state.turbulence.removeprefix(EXTREME), "turbulence_model": model_of, "wind_class": options.wind_class.upper()}
+    else:
+        kind = {"turbulence_intensity": state.turbulence}
     return WindState(
         mean_speed=state.wind_speed, hub_height=structure.hub_height, rotor_diameter=structure.rotor.diameter,
         spectrum=options.wind_spectrum, averaging=options.wind_averaging, **kind,
@@ -283,8 +288,9 @@ def _turbine(case: Case, deck: Deck, dofs: Sequence[str], speed: float) -> tuple
     """Return the turbine at a wind speed: from its linearisation, between two of them, or parked from the deck alone."""
     entries = {e.wind_speed: e for e in case.linearisations}
     near = next((e for s, e in entries.items() if abs(s - speed) < SAME_SPEED), None)
+    by_blades = speed > 0 and case.options.wind_inputs == "blades"
     if near is not None:
-        return _linearised_turbine(near, deck, dofs)
+        return _linearised_turbine(near, deck, dofs, by_blades)
     if case.turbine is not None and case.turbine.table.covers(speed):
         return _kept(turbine_at(case.turbine.table, speed), dofs), (), []
     if speed == 0:
@@ -301,15 +307,18 @@ def _turbine(case: Case, deck: Deck, dofs: Sequence[str], speed: float) -> tuple
     if not below or not above:
         raise ModelError(f"no linearisation at {speed:g} m/s, nor below and above it; name its files in the study's table")
     low, high = max(below), min(above)
-    (a, held, _), (b, _, _) = (_linearised_turbine(entries[s], deck, dofs) for s in (low, high))
+    (a, held, _), (b, _, _) = (_linearised_turbine(entries[s], deck, dofs, by_blades) for s in (low, high))
     note = f"turbine at {speed:g} m/s interpolated linearly between its linearisations at {low:g} and {high:g} m/s"
     return _between(a, b, (speed - low) / (high - low), speed), held, [note]
 
 
 def _linearised_turbine(
-    entry: LinearisationEntry, deck: Deck, dofs: Sequence[str] | None
+    entry: LinearisationEntry, deck: Deck, dofs: Sequence[str] | None, by_blades: bool = False
 ) -> tuple[TurbineMatrices, tuple[Contribution, ...], list[str]]:
-    """Return the turbine of a linearisation, less what else the deck that made it held, blades condensed unless kept."""
+    """Return the turbine of a linearisation, less what else the deck that made it held, blades condensed unless kept.
+
+    by_blades takes the wind's gradients and the sampling of the rotor from the linearisation's node inputs.
+    """
     records = [read_openfast_lin(path) for path in entry.files]
     made_by, note = _deck_of(entry, deck)
     _check_modules(records[0], made_by)
@@ -323,6 +332,10 @@ def _linearised_turbine(
             found, held, gravity=made_by.gravity, source=_span(entry.files), rigid_mass=rigid,
             hub_motion=_hub_motion(structure, found.dofs),
         )  # fmt: skip
+        if by_blades:
+            wind = blade_wind(records, found, structure.rotor.blades)
+            turbine = replace(turbine, gradient_force=wind.gradient_force, sampling=sensitivity(wind, found.rotor_speed))
+            note = [*note, f"{_span(entry.files)}: gradients and sampling of the wind from the inputs of {len(wind.radius)} nodes a blade"]
         turbine = _kept(turbine, dofs)
     except ValueError as error:
         raise ModelError(str(error)) from None
@@ -458,7 +471,7 @@ def _operating_point(
 
 def with_gradients(turbine: TurbineMatrices, structure: TurbineStructure, speed: float) -> tuple[TurbineMatrices, RotorSensitivity]:
     """Return a turbine at a wind speed [m/s] with the forces of the wind's gradients, and how its rotor samples the wind."""
-    rotor = rotor_sensitivity(structure.rotor.diameter, structure.rotor.blades, turbine.rotor_speed, speed)
+    rotor = turbine.sampling or rotor_sensitivity(structure.rotor.diameter, structure.rotor.blades, turbine.rotor_speed, speed)
     if np.any(turbine.gradient_force):
         return turbine, rotor
     return replace(turbine, gradient_force=_gradient_forces(structure, turbine, rotor)), rotor

@@ -95,7 +95,7 @@ def turbulence_label(state) -> str:
         return "–"
     if state.turbulence is None:
         return "steady"
-    return f"class {state.turbulence}" if isinstance(state.turbulence, str) else f"{100 * state.turbulence:g} %"
+    return f"class {state.turbulence.replace('ETM-', 'extreme, ')}" if isinstance(state.turbulence, str) else f"{100 * state.turbulence:g} %"
 
 
 def state_label(state) -> str:

@@ -24,11 +24,13 @@ THESIS_CASE = "OC4 DeepCwind"  # studies of which the source thesis shows the sa
 
 
 def write_comparison(
-    found: Sequence, folder, *, model=None, decays: Sequence = (), figures: bool = True, progress: Callable[[str], None] = lambda text: None
+    found: Sequence, folder, *, model=None, decays: Sequence = (), figures: bool = True, extra_sections: Sequence[Section] = (),
+    progress: Callable[[str], None] = lambda text: None,
 ) -> list[Path]:  # fmt: skip
     """Write report, workbook, figures (PNG, SVG) and tables (CSV) of validations into a folder; return the files.
 
-    Report and workbook need the model; decays are decay tests. All files appear or none.
+    Report and workbook need the model; decays are decay tests; extra_sections stand in the report before the method. All files
+    appear or none.
     """
     folder = Path(folder)
     with atomic_folder(folder) as inside:
@@ -38,17 +40,17 @@ def write_comparison(
                 _csv(*tables.spectra_numbers(item)[:2], inside / f"{slug(item.state)}_{item.kind}.csv")
         if model is not None:
             progress("writing the report")
-            (inside / REPORT).write_text(report(model, found, decays, pictures), encoding="utf-8")
+            (inside / REPORT).write_text(report(model, found, decays, pictures, extra_sections), encoding="utf-8")
             _workbook(model, found, decays, inside / WORKBOOK)
         written = sorted(p.relative_to(inside) for p in inside.rglob("*") if p.is_file())
     return [folder / name for name in written]
 
 
-def report(model, found: Sequence, decays: Sequence = (), pictures: Sequence = ()) -> str:
+def report(model, found: Sequence, decays: Sequence = (), pictures: Sequence = (), extra_sections: Sequence[Section] = ()) -> str:
     """Return the report as one HTML page."""
     sections = [
         _overview(found, decays), _doubts(found, decays), *(_state_section(model, item, pictures) for item in found),
-        *([_decay_section(decays, pictures)] if decays else []), _method_section(found), _provenance(model, found, decays),
+        *([_decay_section(decays, pictures)] if decays else []), *extra_sections, _method_section(found), _provenance(model, found, decays),
     ]  # fmt: skip
     return environment().get_template("site.html.j2").render(
         kind="Code-to-code validation against time-domain simulations", title=model.case.title or model.case.path.stem,
@@ -59,14 +61,16 @@ def report(model, found: Sequence, decays: Sequence = (), pictures: Sequence = (
 
 def cards(found: Sequence, decays: Sequence = ()) -> list[Card]:
     """Return the key figures of the overview: the verdict, the worst channel of each comparison, the decay tests."""
-    judged = [c for i in found for c in i.channels if c.verdict != "not judged"]
-    good = sum(c.passed for c in judged) + sum(d.passed for d in decays)
+    judged = [v for i in found for c in i.channels for v in c.verdicts] + ["within" if d.passed else "outside" for d in decays]
+    chance = judged.count("within scatter")
     wrong = sum(f.severity == "error" for i in found for f in i.findings)
+    notes = [f"{chance} more inside the seeds' own scatter"] if chance else []
+    notes.append(f"{wrong} doubts about the reference" if wrong else "nothing wrong with the reference")
     out = [
         Card(
             label="Judged figures inside their tolerance",
-            value=f"{good} of {len(judged) + len(decays)}",
-            note=f"{wrong} doubts about the reference" if wrong else "nothing wrong with the reference",
+            value=f"{judged.count('within')} of {len(judged)}",
+            note="; ".join(notes),
         )
     ]
     for item in found:

@@ -89,7 +89,7 @@ def _titled(item, name: str, unit: str, numbers: dict[str, int]) -> str:
 
 
 def rao_figure(item, names: Sequence[str], label: str, numbers: dict[str, int]) -> Drawing:
-    """Return RAO magnitudes and phases with confidence bounds and the coherence of the reference."""
+    """Return RAO magnitudes and phases with confidence bounds, and coherences."""
     e = item.estimate
     inside = (e.frequency >= WHOLE_BAND[0]) & (e.frequency <= WHOLE_BAND[1])
     f = e.frequency[inside]
@@ -97,7 +97,7 @@ def rao_figure(item, names: Sequence[str], label: str, numbers: dict[str, int]) 
     h1, radius = e.coherent_rao[inside], e.coherent_radius()[inside]
     columns = 2 if len(names) > 1 else 1
     figure, axes = grid(
-        3 * -(-len(names) // columns), columns, height=2.5, ratios=(1.0, 0.36, 0.2), gaps=(0.1, 0.1, 0.62)
+        3 * -(-len(names) // columns), columns, height=2.5, ratios=(1.0, 0.36, 0.26), gaps=(0.1, 0.1, 0.62)
     )
     handles: dict = {}
     for n, name in enumerate(names):
@@ -107,11 +107,11 @@ def rao_figure(item, names: Sequence[str], label: str, numbers: dict[str, int]) 
         handles["reference, 95 %"] = top.fill_between(
             f, low[:, k] * factor, high[:, k] * factor, color=GREY, alpha=0.35, lw=0
         )
-        handles["reference |H|₂"] = top.plot(f, e.energy_rao[inside, k] * factor, color=INK, lw=1.0)[0]
+        handles["reference |H|₂"] = top.plot(f, e.energy_rao[inside, k] * factor, color=INK, lw=0.9, zorder=4)[0]
         handles["model, unsmoothed"] = top.plot(
             f, item.model_rao_raw[inside, k] * factor, color=BLUE, lw=0.7, alpha=0.55, ls=":"
         )[0]
-        handles["model"] = top.plot(f, item.model_rao[inside, k] * factor, color=BLUE, lw=1.5)[0]
+        handles["model"] = top.plot(f, item.model_rao[inside, k] * factor, color=BLUE, lw=2.2)[0]
         for array, text, colour in (
             (item.quadratic_rao, "quadratic drag", AMBER),
             (item.memory_rao, "and HydroDyn's memory", ORANGE),
@@ -120,12 +120,13 @@ def rao_figure(item, names: Sequence[str], label: str, numbers: dict[str, int]) 
                 handles[text] = top.plot(f, array[inside, k] * factor, color=colour, ls=(0, (4, 2)), lw=1.0)[0]
         c = item.channels[k]
         top.set_title(_titled(item, name, f"{unit}/m", numbers))
+        left = np.log(f[np.nanargmax(e.energy_rao[inside, k])] / f[0]) > 0.6 * np.log(f[-1] / f[0])  # the side without the peak
         top.text(
-            0.985,
+            0.02 if left else 0.985,
             0.96,
             f"σ {_signed(c.std_error)} %\nRAO error {100 * c.rao_error:.1f} %",
             transform=top.transAxes,
-            ha="right",
+            ha="left" if left else "right",
             va="top",
             fontsize=8.5,
         )
@@ -135,12 +136,14 @@ def rao_figure(item, names: Sequence[str], label: str, numbers: dict[str, int]) 
         spread = np.degrees(np.arcsin(ratio))
         gap = np.isnan(unwrapped(phase)) | np.isnan(unwrapped(phase[::-1])[::-1])
         middle.fill_between(f, phase - spread, phase + spread, where=~gap, color=GREY, alpha=0.35, lw=0)
-        middle.plot(f, unwrapped(phase), color=INK, lw=1.0)
         if item.model_phase is not None:
-            middle.plot(f, unwrapped(np.degrees(item.model_phase[inside, k])), color=BLUE, lw=1.2)
+            middle.plot(f, unwrapped(np.degrees(item.model_phase[inside, k])), color=BLUE, lw=2.0)
+        middle.plot(f, unwrapped(phase), color=INK, lw=0.9)
         middle.set_ylim(-190, 190)
         middle.yaxis.set_major_locator(MultipleLocator(180))
-        bottom.plot(f, e.coherence[inside, k], color=GREY, lw=1.0)
+        if item.model_coherence is not None:
+            bottom.plot(f, item.model_coherence[inside, k], color=BLUE, lw=2.0)
+        bottom.plot(f, e.coherence[inside, k], color=INK, lw=0.9)
         bottom.set_ylim(0, 1.05)
         bottom.set_yticks([0, 1])
         if n % columns == 0:
@@ -153,7 +156,7 @@ def rao_figure(item, names: Sequence[str], label: str, numbers: dict[str, int]) 
     legend(figure, list(handles.values()), list(handles))
     caption = (
         f"State {item.state}: {len(item.files)} records of {item.duration:.0f} s, {e.averages:.0f} independent averages of {e.segment:g} s. Magnitude √(Syy/Sηη) with "
-        "95 % bounds, phase and coherence of Sηy/Sηη; the model seen through the same window."
+        "95 % bounds, phase of Sηy/Sηη, coherence γ²; the model seen through the same window."
     )
     return Drawing(
         name=f"validation_{slug(item.state)}_{slug(label)}",
@@ -261,7 +264,7 @@ def history_figure(item, names: Sequence[str], numbers: dict[str, int]) -> Drawi
 
 def decay_figure(decays: Sequence) -> Drawing:
     """Return the histories of decay tests and the damping ratio against the amplitude."""
-    figure, axes = grid(len(decays), 2, height=1.7, gaps=(0.55,), between=0.75)
+    figure, axes = grid(len(decays), 2, height=1.7, gaps=(0.78,), between=0.75)
     _widen(axes, (0.62, 0.38))
     handles: dict = {}
     for row, d in enumerate(decays):

@@ -26,6 +26,7 @@ _EXACT = 3 - 1.5 * gamma(2) * gamma(2 / 3) / gamma(4 / 3) ** 2  # minus the exce
 BETA = 1 / _EXACT - 4 / 3  # first order says 3/4 there
 ALIKE = 0.9  # elements whose velocities correlate more than this count as one
 LAGS = 1024
+_BLOCK = 64
 _ENERGY = 0.999  # share of the velocities' variance below half the highest frequency that the lags resolve
 
 
@@ -101,10 +102,9 @@ def group_elements(problem: DragProblem, solution, here, lags: int = LAGS) -> Gr
     water = np.einsum("ea,mean->emn", along, problem.water.reshape(-1, len(std), 2, len(problem.omega)))
     velocity = _relative(water, motion, rate)
     share, factor = _shares(problem.members.factor, std, _scaled(problem, velocity))
-    power = (np.abs(np.tensordot(share, _scaled(problem, velocity), axes=1)) ** 2).sum(axis=1)
-    return Groups(
-        water=np.tensordot(share, water, axes=1), motion=share @ motion, factor=factor, lattice=_lattice(problem.omega, power, lags)
-    )
+    water, motion = np.einsum("ge,emn->gmn", share, water), share @ motion
+    power = (np.abs(_scaled(problem, _relative(water, motion, rate))) ** 2).sum(axis=1)
+    return Groups(water=water, motion=motion, factor=factor, lattice=_lattice(problem.omega, power, lags))
 
 
 def residue(problem: DragProblem, groups: Groups, solution, receptance, here) -> Residue:
@@ -116,25 +116,30 @@ def residue(problem: DragProblem, groups: Groups, solution, receptance, here) ->
     iw = 1j * problem.omega[:, None, None]
     rho, std = _correlation(problem, groups, iw * solution[:, places])
     impulse = lattice.impulse(np.moveaxis(iw * receptance[:, places[:, None], places], 0, -1))
-    between = np.tensordot(np.einsum("gi,hj->ghij", motion, motion), impulse, axes=2)
+    between = _both(motion, impulse)
     square = rho * rho
     cube, ahead = square * rho, slice(0, between.shape[-1])
     strength = groups.factor * std
     first = -24 * C3 / std * ((between * cube[..., ahead]).sum(axis=-1) @ (strength * std)) * lattice.step
     strength = strength / np.sqrt(1 + BETA * np.abs(first))
     kernel = between * square[..., ahead] * (-18 * C3**2 * np.outer(strength, strength))[..., None]
-    memory = lattice.transform(np.tensordot(motion.T, kernel, axes=1))
+    memory = lattice.transform((motion.T @ kernel.swapaxes(0, 1)).swapaxes(0, 1))
     push = (strength * std)[:, None] * motion
-    covariance = 6 * C3**2 * np.tensordot(np.einsum("gi,hj->ijgh", push, push), cube, axes=2)
+    covariance = 6 * C3**2 * _both(push.T, cube)
     return Residue(
         damping=np.einsum("ihn,hj->nij", memory, motion), wave_force=np.einsum("ihn,hmn->mni", memory, groups.water),
         force_spectrum=np.moveaxis(lattice.spectrum(covariance), -1, 0), kurtosis=first / (1 + BETA * np.abs(first)),
     )  # fmt: skip
 
 
+def _both(left, series) -> np.ndarray:
+    """Return left (a, i) times series (i, j, t) times left transposed, (a, b, t), in products too small for threads to pay."""
+    return left @ (left @ series.swapaxes(0, 1)).swapaxes(0, 1)
+
+
 def _relative(water, motion, rate) -> np.ndarray:
     """Return relative velocities (e, m + w, n) of elements per input, from water (e, m, n), motion (e, p) and platform rates (n, p, m + w)."""
-    out = -np.tensordot(motion, rate, axes=(1, 1)).swapaxes(1, 2)
+    out = -np.einsum("ep,npi->ein", motion, rate)
     out[:, : water.shape[1]] += water
     return out
 
@@ -146,8 +151,9 @@ def _scaled(problem: DragProblem, velocity) -> np.ndarray:
 
 def _shares(factor, std, velocity) -> tuple[np.ndarray, np.ndarray]:
     """Return the shares (g, e) of elements in the groups, weighted by K s and with the sign of their correlation, and sums (g) of K."""
-    flat = velocity.reshape(len(std), -1)
-    alike = (flat @ flat.conj().T).real / np.maximum(np.outer(std, std), 1e-300)
+    flat = np.ascontiguousarray(velocity).reshape(len(std), -1).view(float)
+    parts = [flat[:, k : k + _BLOCK] for k in range(0, flat.shape[1], _BLOCK)]
+    alike = sum(x @ x.T for x in parts) / np.maximum(np.outer(std, std), 1e-300)
     left = np.argsort(-factor * std**2)
     left = left[std[left] > 1e-6 * std.max()]
     shares, factors = [], []

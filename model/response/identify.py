@@ -136,7 +136,7 @@ def estimate(inputs, outputs, step: float, segment: float = SEGMENT) -> Estimate
 
 
 def smooth_like_welch(spectrum, step_hz: float, segment: float, sample: float) -> np.ndarray:
-    """Return spectra (n, ...) on a uniform grid of step_hz [Hz] from zero, as a Hann-windowed segment would show them.
+    """Return spectra (n, ...), cross-spectra too, on a uniform grid of step_hz [Hz] from zero, as a Hann-windowed segment would show them.
 
     The convolution with the window's power, sampled every `sample` seconds over `segment` seconds. Leakage
     around narrow peaks is then the same in model and estimate.
@@ -148,7 +148,7 @@ def smooth_like_welch(spectrum, step_hz: float, segment: float, sample: float) -
     power = np.abs(np.exp(-2j * np.pi * np.outer(offsets, np.arange(length) * sample)) @ window) ** 2
     power /= power.sum()
     spectrum = np.asarray(spectrum)
-    mirrored = np.concatenate([spectrum[reach:0:-1], spectrum, np.zeros((reach, *spectrum.shape[1:]))])
+    mirrored = np.concatenate([spectrum[reach:0:-1].conj(), spectrum, np.zeros((reach, *spectrum.shape[1:]))])
     out = np.zeros_like(spectrum)
     for k, weight in enumerate(power):
         out += weight * mirrored[k : k + len(spectrum)]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.conventions import PLATFORM_DOFS, freeze, point_motion, rigid_mass, rotation, weight_stiffness
+from model.environment.rotor_wind import RotorSensitivity
 from model.system.tower import TOWER_MODES, Tower, TowerModes, tower_modes
 
 
@@ -72,7 +73,8 @@ class TurbineMatrices:
 
     dofs (q) names; mass, damping, stiffness (q, q); force (q) [N, N m] that it exerts at `point` (q), weight and thrust;
     wind_force (q) per m/s of wind over the whole rotor; gradient_force (2, q) per (m/s)/m of its vertical and lateral
-    gradient, zero when not given; wind_speed [m/s]; rotor_speed [rad/s]; source.
+    gradient, zero when not given; wind_speed [m/s]; rotor_speed [rad/s]; source; sampling, how strongly each radius drives the
+    thrust, None when not known.
     """
 
     dofs: tuple[str, ...]
@@ -86,6 +88,7 @@ class TurbineMatrices:
     wind_speed: float = 0.0
     rotor_speed: float = 0.0
     source: str = ""
+    sampling: RotorSensitivity | None = None
 
     def __post_init__(self):
         q = len(self.dofs)

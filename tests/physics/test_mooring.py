@@ -88,6 +88,7 @@ KINDS = {
     "tendons": joined(
         3, [("fixed", 30.0, 0, -200.0, 0, 0), ("vessel", 30.0, 0, -30.0, 0, 0)], [(0, 1, 169.8, *TENDON)]
     ),
+    "slack vertical": joined(3, [("fixed", 40.868, 0, -200.0, 0, 0), FAIRLEAD], [(0, 1, 240.0, *CHAIN)]),
     "clump weight": joined(
         3, [ANCHOR, ("connect", 240.0, 0, -120.0, 17e3, 2.0), FAIRLEAD], [(0, 1, 605.0, *CHAIN), (1, 2, 230.35, *CHAIN)]
     ),

@@ -87,22 +87,16 @@ def test_a_start_from_the_answer_is_the_answer(body):
 
 
 def test_moorings_of_a_moving_floater_pull_harder(oc4):
-    """Mean mooring force over 4000 Gaussian positions, less that at rest: 10 % (the fourth derivative, and the sample's scatter)."""
+    """Mean mooring force and tension over 4000 Gaussian positions, less those at rest: 10 % (the fourth derivative, and the sample's scatter)."""
     point = oc4.at(11.0)
     covariance = np.zeros((7, 7))
     covariance[:6, :6] = np.diag([2.0, 0.6, 0.09, 2.6e-3, 1.1e-2, 2.1e-2]) ** 2
-    shift = mooring_shift(point.system, point.mean, covariance)
+    shift, pulled = mooring_shift(point.system, point.mean, covariance)
     moves = np.random.default_rng(5).normal(size=(2000, 6)) * np.sqrt(np.diag(covariance)[:6])
     moves = np.concatenate([moves, -moves])
-    forces = np.array(
-        [mooring_state(point.system.mooring, point.mean.offset[:6] + x).force for x in moves[:: 4000 // 1000]]
-    )
-    forces = (
-        forces
-        + np.array(
-            [mooring_state(point.system.mooring, point.mean.offset[:6] - x).force for x in moves[:: 4000 // 1000]]
-        )
-    ) / 2
-    assert shift[0] == pytest.approx(forces[:, 0].mean() - point.mean.mooring.force[0], rel=0.1)
+    states = [mooring_state(point.system.mooring, point.mean.offset[:6] + s * x) for x in moves[::4] for s in (-1, 1)]
+    forces, tensions = (np.mean([getattr(m, n) for m in states], axis=0) for n in ("force", "fairlead_tension"))
+    assert shift[0] == pytest.approx(forces[0] - point.mean.mooring.force[0], rel=0.1)
+    assert np.allclose(pulled, tensions - point.mean.mooring.fairlead_tension, rtol=0.1)
     assert shift[0] < -5e3
     assert shift[6] == 0.0
