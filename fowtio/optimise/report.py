@@ -259,6 +259,8 @@ def assumptions(result: OptimisationResult) -> list[str]:
         out.append(f"Turbulence (class of IEC 61400-1, or intensity): {', '.join(kinds)}.")
     if any("tower_moment" in n for n in names):
         out.append(f"The tower-base moment sums the loads above the tower base{theirs('from the modal stiffness of the tower')}.")
+    if any(split_name(n)[0].endswith("_peak") for n in names):
+        out.append(f"Drag is linearised strip by strip for the velocity of the water over the hull, with the waves' drag force{theirs('for the velocity of the hull, with coefficients of the whole hull')}.")
     out.append("Walls and ballast of the hull are those of the cost file" + (", inferred where the publication does not print them." if study.published else "."))
     if setting.cost is not None and "cost" in names:
         out.append(f"Anchors are sized by {setting.cost.safety:g} times the mean load in state {setting.cost.state}.")
