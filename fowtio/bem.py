@@ -2,6 +2,8 @@
 
 Linear potential flow: radiation and diffraction by constant panels. The error of constant flat panels is of order
 1.0 to 1.4 in their size, so the coefficients of two meshes, one with half the panel sides of the other, are extrapolated.
+Damping follows from the excitation by waves from all around (Haskind's relation): from the pressure on the hull it is the small
+imaginary part of a large number, with three to four times the error.
 """
 
 from __future__ import annotations
@@ -12,10 +14,11 @@ import numpy as np
 
 from fowtio.errors import ModelError
 from fowtio.hull_mesh import HullMesh
+from model.system.haskind import far_field_damping, sector_headings
 
 EXTRAPOLATION = 0.77
 DEEP = 5.0
-LEAST_KH = 0.1
+SECTOR_STEP = np.radians(5.0)
 DOFS = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
 
 
@@ -45,8 +48,16 @@ def load_capytaine():
     return capytaine
 
 
-def capytaine_body(mesh: HullMesh, *, lid: bool = True):
-    """Return Capytaine's floating body of a mesh, with its symmetries, about the origin."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BemBody:
+    """A body to solve: Capytaine's floating body, and the symmetry of its mesh."""
+
+    floating: object
+    symmetry: str
+
+
+def capytaine_body(mesh: HullMesh, *, lid: bool = True) -> BemBody:
+    """Return the body of a mesh, with its symmetries, about the origin."""
     cpt = load_capytaine()
 
     def symmetric(panels):
@@ -60,10 +71,11 @@ def capytaine_body(mesh: HullMesh, *, lid: bool = True):
             return ReflectionSymmetricMesh(part, plane="yOz")
         return RotationSymmetricMesh(part, n=3) if mesh.symmetry == "three-fold xz" else part
 
-    return cpt.FloatingBody(
+    floating = cpt.FloatingBody(
         mesh=symmetric(mesh.part), lid_mesh=symmetric(mesh.lid) if lid and len(mesh.lid) else None,
         dofs=cpt.rigid_body_dofs(rotation_center=(0.0, 0.0, 0.0)), name="hull",
     )  # fmt: skip
+    return BemBody(floating=floating, symmetry=mesh.symmetry)
 
 
 def extrapolated(coarse, fine):
@@ -75,36 +87,53 @@ def extrapolated(coarse, fine):
     return fine + EXTRAPOLATION * (np.asarray(fine) - np.asarray(coarse))
 
 
-def solve_frequency(body, omega: float, settings: BemSettings, solver=None) -> dict[str, np.ndarray]:
-    """Return added mass, damping (6, 6) and excitation (m, 6) of one frequency [rad/s], e^{+i omega t}.
+def solve_frequency(body: BemBody, omega: float, settings: BemSettings, solver=None) -> dict[str, np.ndarray]:
+    """Return what one frequency [rad/s] gives, e^{+i omega t}: added_mass (6, 6) and pressure_damping (6, 6) from the pressure
+    on the hull, excitation (m, 6) and circle (b, 6), the excitation at the headings that `far_field` takes.
 
     Frequencies 0 (in deep water only) and inf give the added mass alone. Where k h > DEEP the water counts as deep
     (tanh k h = 1 to 1e-4): the Green function is then quicker and the same to four digits.
     """
     cpt = load_capytaine()
-    solver = solver or cpt.BEMSolver(method=settings.method)
-    depth = settings.depth
-    if omega == 0 or (np.isfinite(omega) and omega**2 * depth / settings.gravity > DEEP):
-        depth = np.inf
-    common = {"body": body, "omega": omega, "water_depth": depth, "rho": settings.density, "g": settings.gravity}
+    solver, floating = solver or cpt.BEMSolver(method=settings.method), body.floating
+    depth = settings.depth if np.isinf(omega) else _felt_depth(omega, settings)
+    common = {"body": floating, "omega": omega, "water_depth": depth, "rho": settings.density, "g": settings.gravity}
     if omega == 0 or np.isinf(omega):
         results = [solver.solve(cpt.RadiationProblem(radiating_dof=d, **common), keep_details=False) for d in DOFS]
         added, damping = np.array([[r.added_mass[dof] for r in results] for dof in DOFS]), np.zeros((6, 6))
-        force = np.zeros((0, 6))
+        force, headings = np.zeros((0, 6)), ()
     else:
-        waves = [cpt.DiffractionProblem(wave_direction=beta, **common) for beta in settings.headings]
-        added, damping, force = _radiation_and_diffraction(body, waves, omega, depth, settings, solver)
+        headings = settings.headings
+        around = (*headings, *sector_headings(body.symmetry, SECTOR_STEP))
+        waves = [cpt.DiffractionProblem(wave_direction=beta, **common) for beta in around]
+        added, damping, force = _radiation_and_diffraction(floating, waves, omega, depth, settings, solver)
     return {
         "added_mass": (added + added.T) / 2,
-        "radiation_damping": (damping + damping.T) / 2,
+        "pressure_damping": (damping + damping.T) / 2,
         "asymmetry": np.abs(added - added.T).max() / np.abs(added).max(),
-        "excitation": np.conj(force),
+        "excitation": np.conj(force[: len(headings)]),
+        "circle": np.conj(force[len(headings) :]),
     }
+
+
+def far_field(circle: np.ndarray, symmetry: str, omega: float, settings: BemSettings) -> np.ndarray:
+    """Return the radiation damping (6, 6) that goes with the excitation all around (b, 6) of `solve_frequency`; 0 at its limits."""
+    if not len(circle):
+        return np.zeros((6, 6))
+    return far_field_damping(
+        circle, symmetry, omega, depth=_felt_depth(omega, settings), density=settings.density, gravity=settings.gravity
+    )
+
+
+def _felt_depth(omega: float, settings: BemSettings) -> float:
+    """Return the depth that a frequency is solved in."""
+    felt = 0 < omega < np.sqrt(DEEP * settings.gravity / settings.depth)
+    return settings.depth if felt else np.inf
 
 
 def _radiation_and_diffraction(body, waves, omega, depth, settings, solver):
     """Return added mass, damping and excitation (e^{-i omega t}) of one frequency: all right-hand sides in one solution."""
-    from capytaine.bem.airy_waves import froude_krylov_force
+    from capytaine.bem.airy_waves import airy_waves_pressure
 
     panels, wet = body.mesh_including_lid, body.hull_mask
     motion = np.stack([np.sum(_motion(body, dof) * body.mesh.faces_normals, axis=1) for dof in DOFS], axis=1)
@@ -116,11 +145,10 @@ def _radiation_and_diffraction(body, waves, omega, depth, settings, solver):
         panels, panels, free_surface=0.0, water_depth=depth, wavenumber=_wavenumber(omega, depth, settings.gravity),
         adjoint_double_layer=settings.method == "indirect",
     )  # fmt: skip
-    potential = _potential(*matrices, condition, settings.method)[wet]
-    forces = -1j * omega * settings.density * (motion * body.mesh.faces_areas[:, None]).T @ potential
-    incident = [[froude_krylov_force(wave)[dof] for dof in DOFS] for wave in waves]
-    excitation = forces[:, 6:].T + np.array(incident).reshape(-1, 6)
-    return forces[:, :6].imag / omega, -forces[:, :6].real, excitation
+    weighted = (motion * body.mesh.faces_areas[:, None]).T
+    forces = -1j * omega * settings.density * weighted @ _potential(*matrices, condition, settings.method)[wet]
+    incident = -weighted @ np.stack([airy_waves_pressure(body.mesh.faces_centers, wave) for wave in waves], axis=1)
+    return forces[:, :6].imag / omega, -forces[:, :6].real, (forces[:, 6:] + incident).T
 
 
 def _wavenumber(omega: float, depth: float, gravity: float) -> float:

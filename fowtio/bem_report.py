@@ -10,6 +10,7 @@ from fowtio.bem_run import HullFile, closed_form
 from fowtio.database import DIMENSIONS, database_plan, embedded_path, held_out, read_database
 from fowtio.hull_system import SemiDesign, thesis_hull
 from fowtio.hull_turbine import ten_megawatt
+from fowtio.read.hydro_any import hydro_options, read_hydro
 from model.system.hydro import HydroCoefficients
 from model.system.mooring import mooring_state
 
@@ -27,6 +28,8 @@ def bem_rows(hull: HullFile, hydro: HydroCoefficients, quality: dict, files) -> 
         ("asymmetry of A", f"{100 * quality['asymmetry']:.2f} % of its largest element, coarse mesh"),
         ("zero frequency", "deep water; surge A(0) differs from the lowest frequency by "
          f"{100 * quality['zero_frequency_gap'][0]:.2f} %, heave by {100 * quality['zero_frequency_gap'][2]:.2f} %"),
+        ("damping", "from the excitation (Haskind); from the pressure on the hull it differs by "
+         + ", ".join(f"{100 * quality['pressure_damping_gap'][k]:.1f} % in B{k + 1}{k + 1}" for k in (0, 2, 4)) + " of the peak"),
     ]  # fmt: skip
     for name, values in quality.get("mesh_change", {}).items():
         if name in ("A11", "A33", "A55", "B11", "B33", "B55"):
@@ -42,6 +45,22 @@ def bem_json(hull: HullFile, hydro: HydroCoefficients, quality: dict, files) -> 
         "pitch_stiffness": float(hydro.hydrostatic_stiffness[4, 4]), "closed_form": closed_form(hull), "quality": quality,
         "files": [str(f) for f in files], "units": {"volume": "m3", "heave_stiffness": "N/m", "pitch_stiffness": "N m/rad"},
     }  # fmt: skip
+
+
+def reference_hydro(hull: HullFile, path: Path) -> HydroCoefficients:
+    """Return coefficients to compare with, in the hull's water where their file does not say it."""
+    water = {name: hull.bem[name] for name in ("density", "gravity", "depth") if name in hydro_options(path)}
+    return read_hydro(path, **water)
+
+
+def draw_bem(hull: HullFile, hydro: HydroCoefficients, reference: HydroCoefficients | None, folder: str | Path) -> list[Path]:
+    """Draw the fine mesh, and the coefficients beside a reference, into a folder; return the pictures' paths."""
+    from fowtio.bem_figures import draw_comparison, draw_mesh
+
+    out = [draw_mesh(hull, Path(folder) / "mesh.png")]
+    if reference is not None:
+        out.append(draw_comparison(hydro, reference, Path(folder) / "comparison.png", labels=("fowtio", "reference"), title=hull.title))
+    return out
 
 
 def random_hulls(database, count: int, seed: int) -> np.ndarray:
@@ -110,15 +129,16 @@ def _rao(database, row, added, damping, force, omega) -> np.ndarray:
 
 
 def check_rows(found: list[dict]) -> list[tuple[str, str]]:
-    """Return one row a hull and a last one with the largest of each coefficient."""
+    """Return one row a hull, one with the largest of each coefficient, and one with those of short waves."""
     rows = []
     for row in found:
         values = _coefficients(row)
         text = "  ".join(f"{n} {100 * v:.2f}" for n, v in zip(NAMES, values, strict=True))
         rao = ", ".join(f"{100 * v:.2f}" for v in row["rao"])
         rows.append(("d {:.2f} r {:.2f} draft {:.2f} m".format(*row["hull"]), f"{text}; RAO surge, heave, pitch {rao}"))
-    worst = np.max([_coefficients(r) for r in found], axis=0)
-    rows.append(("largest", "  ".join(f"{n} {100 * v:.2f}" for n, v in zip(NAMES, worst, strict=True))))
+    for label, pick in (("largest", _coefficients), ("in waves shorter than 4 s", _short)):
+        worst = np.max([pick(r) for r in found], axis=0)
+        rows.append((label, "  ".join(f"{n} {100 * v:.2f}" for n, v in zip(NAMES, worst, strict=True))))
     return rows
 
 
@@ -128,12 +148,17 @@ def _coefficients(row: dict) -> np.ndarray:
     return np.maximum(deep, np.concatenate([row[f"{n}_depth"] for n in parts])) if "added_mass_depth" in row else deep
 
 
+def _short(row: dict) -> np.ndarray:
+    return np.concatenate([row[f"{n}_short"] for n in ("added_mass", "radiation_damping", "excitation")])
+
+
 def check_json(found: list[dict]) -> dict:
     """Return the errors for programs, as shares of each coefficient's maximum."""
     return {
         "hulls": [
             {"diameter": r["hull"][0], "radius": r["hull"][1], "draft": r["hull"][2], "worst": r["worst"], "rao": [float(v) for v in r["rao"]],
-             "errors": {n: float(v) for n, v in zip(NAMES, _coefficients(r), strict=True)}}
+             "errors": {n: float(v) for n, v in zip(NAMES, _coefficients(r), strict=True)},
+             "errors_short_waves": {n: float(v) for n, v in zip(NAMES, _short(r), strict=True)}}
             for r in found
         ],
         "units": {"diameter": "m", "radius": "m", "draft": "m", "errors": "share of the maximum"},

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fowtio.bem import BemSettings, capytaine_body, extrapolated, load_capytaine, solve_frequency
+from fowtio.bem import BemSettings, capytaine_body, extrapolated, far_field, load_capytaine, solve_frequency
 from fowtio.errors import FormatError, ModelError
 from fowtio.hull_mesh import HullMesh, whole
 from fowtio.hulls import barge_mesh, semi_braces, semi_mesh, spar_mesh, tlp_mesh
@@ -27,6 +27,7 @@ BEM_DEFAULTS = {
     "headings": [0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0], "panel_size": 4.0, "around": 16, "method": "direct", "lid": True,
     "braces": True,
 }  # fmt: skip
+SOLUTION = 2  # the form of what is kept of a frequency
 SHAPES = {
     "semi": ("diameter", "radius", "draft"), "spar": ("profile",), "barge": ("length", "width", "draft"), "tlp": ("diameter", "draft"),
     "mesh": ("file",),
@@ -113,16 +114,22 @@ def file_mesh(path: Path, scale: float = 1.0) -> HullMesh:
     """Return the wetted part of a mesh file that Capytaine reads (GDF, STL, MSH, ...), lengths times `scale`, with a lid."""
     cpt = load_capytaine()
     try:
-        mesh = cpt.load_mesh(str(path))
+        mesh = cpt.load_mesh(_gmsh(path) if path.suffix.lower() == ".msh" else str(path))
     except Exception as error:
-        raise FormatError(
-            path, expected="a mesh that Capytaine reads", found=f"{type(error).__name__}: {error}"
-        ) from None
+        hint = 'STL and MSH need meshio: pip install "fowtio[bem]"' if isinstance(error, ImportError) else ""
+        raise FormatError(path, expected="a mesh that Capytaine reads", found=f"{type(error).__name__}: {error}", hint=hint) from None
     mesh = mesh.merged() if hasattr(mesh, "merged") else mesh
     wet = mesh.immersed_part()
     lid = wet.generate_lid()
     panels = [np.asarray(m.vertices)[np.asarray(m.faces)] * scale for m in (wet, lid)]
     return HullMesh(part=panels[0], lid=panels[1], symmetry="none")
+
+
+def _gmsh(path: Path):
+    """Return a mesh of Gmsh's; Capytaine 3.0 asks meshio for its format by a name that meshio does not know."""
+    import meshio
+
+    return meshio.read(path)
 
 
 def hydrostatics(mesh: HullMesh, density: float, gravity: float) -> tuple[np.ndarray, float, np.ndarray]:
@@ -214,7 +221,7 @@ def run_bem(hull: HullFile, folder: str | Path, *, jobs: int = 1, progress=None)
 
 def _same_hull(hull: HullFile, solved: Path) -> None:
     """A folder of solutions belongs to one hull: refuse another."""
-    text = json.dumps([hull.kind, hull.shape, hull.bem], sort_keys=True)
+    text = json.dumps([SOLUTION, hull.kind, hull.shape, hull.bem], sort_keys=True)
     if hull.kind == "mesh":
         text += hashlib.sha256((hull.path.parent / hull.shape["file"]).read_bytes()).hexdigest()
     mark = solved / "hull.json"
@@ -235,18 +242,23 @@ def gather(hull: HullFile, solved: Path) -> tuple[HydroCoefficients, dict]:
         return (extrapolated(*values) if len(values) == 2 else values[0]), values
 
     added, all_added = stacked("added_mass")
-    damping, all_damping = stacked("radiation_damping")
+    pressure, _ = stacked("pressure_damping")
     force, _ = stacked("excitation", slice(1, -1))
+    circle, each = stacked("circle", slice(1, -1))
+    damping, *all_damping = (
+        np.array([far_field(c, meshes[0].symmetry, w, settings) for c, w in zip(one, grid[1:-1], strict=True)]) for one in (circle, *each)
+    )
     heading, force = full_circle(np.radians(hull.bem["headings"]), np.swapaxes(force, 0, 1), meshes[0].symmetry)
     stiffness, size, centre = hydrostatics(meshes[-1], settings.density, settings.gravity)
     hydro = HydroCoefficients(
-        omega=grid[1:-1], added_mass=added[1:-1], radiation_damping=_never_negative(damping[1:-1]), added_mass_zero=added[0],
+        omega=grid[1:-1], added_mass=added[1:-1], radiation_damping=damping, added_mass_zero=added[0],
         added_mass_infinite=added[-1], heading=heading, excitation=force, hydrostatic_stiffness=stiffness, volume=size,
         centre_of_buoyancy=centre, density=settings.density, gravity=settings.gravity, depth=settings.depth,
     )  # fmt: skip
     quality = {
         "panels": [len(whole(m)) for m in meshes],
         "asymmetry": float(max(r["asymmetry_0"] for r in rows)),
+        "pressure_damping_gap": _gap(damping, pressure[1:-1]),
         "zero_frequency_gap": [float(abs(added[0, k, k] / added[1, k, k] - 1)) for k in range(6)],
     }
     if len(meshes) == 2:
@@ -259,11 +271,10 @@ def gather(hull: HullFile, solved: Path) -> tuple[HydroCoefficients, dict]:
     return hydro, quality
 
 
-def _never_negative(damping: np.ndarray) -> np.ndarray:
-    """Return dampings (n, 6, 6) without the negative eigenvalues that extrapolation may leave where they are nearly zero."""
-    scale = np.sqrt(np.maximum(np.abs(damping[:, range(6), range(6)]).max(axis=0), 1e-300))
-    values, vectors = np.linalg.eigh(damping / scale / scale[:, None])
-    return (vectors * np.maximum(values, 0.0)[:, None]) @ np.swapaxes(vectors, 1, 2) * scale * scale[:, None]
+def _gap(damping: np.ndarray, pressure: np.ndarray) -> list[float]:
+    """Return the largest difference of the damping from the pressure on the hull, as a share of the damping's peak, by motion."""
+    peak, gap = (np.abs(np.diagonal(x, axis1=1, axis2=2)).max(axis=0) for x in (damping, pressure - damping))
+    return [float(x) for x in gap / np.where(peak > 0, peak, 1.0)]
 
 
 def full_circle(heading: np.ndarray, force: np.ndarray, symmetry: str) -> tuple[np.ndarray, np.ndarray]:

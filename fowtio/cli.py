@@ -212,22 +212,30 @@ def tower(
 def bem(
     hull: Annotated[Path, typer.Argument(help="hull file (.toml) or a mesh (.gdf, .stl, .msh)", show_default=False)],
     out: OUT = None, jobs: Annotated[int, typer.Option(help="processes")] = 2,
+    against: Annotated[Path | None, typer.Option("--compare", help="coefficients of the same hull: file, folder or stem", show_default=False)] = None,
+    figures: Annotated[bool, typer.Option(help="draw the mesh, and the comparison")] = True,
     json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
 ) -> None:  # fmt: skip
     """Hydrodynamic coefficients of one hull by the boundary-element method (needs the extra bem); a stopped run goes on."""
     from fowtio import terminal
-    from fowtio.bem_report import bem_json, bem_rows
+    from fowtio.bem_compare import compare, compare_json, compare_rows
+    from fowtio.bem_report import bem_json, bem_rows, draw_bem, reference_hydro
     from fowtio.bem_run import read_hull, run_bem, write_results
 
     described = read_hull(hull)
+    reference = None if against is None else reference_hydro(described, against)
     folder = out or Path("results") / f"{hull.stem}_bem"
     with terminal.Progress(quiet=quiet or json) as say:
         hydro, quality = run_bem(described, folder, jobs=jobs, progress=lambda done, total: say(f"frequency {done} of {total}"))
         files = write_results(described, hydro, folder)
+        files += draw_bem(described, hydro, reference, folder) if figures else []
+    found = [] if reference is None else compare(hydro, reference)
     if json:
-        _print_json(bem_json(described, hydro, quality, files))
+        _print_json(bem_json(described, hydro, quality, files) | ({"comparison": compare_json(found)} if found else {}))
     elif not quiet:
         terminal.show_rows(described.title, bem_rows(described, hydro, quality, files))
+        if found:
+            terminal.show_rows(f"Differences from {against}", compare_rows(found))
 
 
 database_app = typer.Typer(help="Coefficients over a grid of hulls: build, check, describe.", no_args_is_help=True)
@@ -245,16 +253,19 @@ def database_build(
 ) -> None:  # fmt: skip
     """Solve the family of semisubmersibles (needs the extra bem) and pack it into one file; under an hour on two cores."""
     from fowtio import terminal
-    from fowtio.database import DatabasePlan, collect, solve_plan, write_database
+    from fowtio.database import DatabasePlan, collect, processor_time, solve_plan, write_database
 
     plan = DatabasePlan()
     with terminal.Progress(quiet=quiet or json) as say:
         solve_plan(plan, folder, jobs=jobs, dask=dask, progress=lambda done, total: say(f"hull {done} of {total}"))
         path = write_database(collect(plan, folder), out, plan)
     if json:
-        _print_json({"database": str(path), "size": path.stat().st_size, "units": {"size": "byte"}})
+        _print_json({
+            "database": str(path), "size": path.stat().st_size, "processor_time": processor_time(plan, folder), "units": {"size": "byte", "processor_time": "s"}
+        })  # fmt: skip
     elif not quiet:
-        print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)\nnext: fowtio database check {path}")
+        spent = processor_time(plan, folder)
+        print(f"{path} ({path.stat().st_size / 1e6:.1f} MB, {spent:.0f} s of processor time)\nnext: fowtio database check {path}")
 
 
 @database_app.command("check")
@@ -262,7 +273,7 @@ def database_check(
     path: DATABASE = None, hulls: Annotated[int, typer.Option(help="random hulls that the database has not seen")] = 4,
     seed: Annotated[int, typer.Option(help="of the random hulls")] = 1,
     depth: Annotated[float, typer.Option(help="water depth (m), inf is deep")] = 200.0,
-    tolerance: Annotated[float, typer.Option(help="largest error allowed (% of each coefficient's maximum)")] = 1.5,
+    tolerance: Annotated[float, typer.Option(help="largest error allowed (% of each coefficient's maximum)")] = 1.0,
     folder: Annotated[Path | None, typer.Option(help="keep the solutions here", show_default=False)] = None,
     out: OUT = None, jobs: Annotated[int, typer.Option(help="processes")] = 2,
     json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
@@ -304,6 +315,7 @@ def semi(
     length: Annotated[float, typer.Option(help="unstretched line length (m)")] = 835.0,
     depth: Annotated[float, typer.Option(help="water depth (m)")] = 200.0,
     wire: Annotated[bool, typer.Option("--wire", help="spiral strand wire instead of chain")] = False,
+    figure: Annotated[Path | None, typer.Option(help="picture to draw: hull, tower and lines to scale", show_default=False)] = None,
     out: OUT = None, json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
 ) -> None:  # fmt: skip
     """A semisubmersible under the 10 MW turbine from a few numbers: masses, ballast, stability; with -o a deck and a study."""
@@ -315,6 +327,10 @@ def semi(
         hull=thesis_hull(diameter, radius, draft), anchor_radius=anchor, length=length, depth=depth, line=WIRE if wire else CHAIN
     )
     rows = semi_rows(design)
+    if figure is not None:
+        from fowtio.bem_figures import draw_system
+
+        draw_system(design, figure)
     study = None if out is None else design_deck(design, out, title=f"a semisubmersible {diameter:g} x {radius:g} x {draft:g} m")
     if json:
         _print_json({name: value for name, _, value, _ in rows} | {"units": {n: u for n, _, _, u in rows}, "study": str(study) if study else None})

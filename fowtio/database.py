@@ -10,13 +10,15 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from dataclasses import asdict, dataclass
+import time
+from contextlib import contextmanager, nullcontext
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from fowtio.bem import BemSettings, capytaine_body, extrapolated, load_capytaine, solve_frequency
+from fowtio.bem import BemSettings, capytaine_body, extrapolated, far_field, load_capytaine, solve_frequency
 from fowtio.errors import FormatError, ModelError
 from fowtio.hulls import semi_mesh
 from model.system.hydro_database import HydroDatabase, interpolate, lagrange
@@ -24,6 +26,7 @@ from model.system.hydro_database import HydroDatabase, interpolate, lagrange
 DIMENSIONS = ("diameter", "radius", "draft")
 GRAVITY = 9.80665
 FORM = "fowtio hydrodynamic database 1"
+SHORT_PERIOD = 4.0
 EMBEDDED = "semi_database.nc"
 
 
@@ -40,9 +43,12 @@ class DatabasePlan:
     depth_points: tuple[int, int, int] = (3, 3, 3)
     scaled_frequency: tuple[float, ...] = tuple(
         np.round(
-            np.sort(np.r_[np.arange(1, 35) * 0.1, 1.95 + np.arange(6) * 0.1, 3.4 + np.arange(1, 9) * 0.15]), 3
+            np.sort(np.r_[
+                np.arange(1, 35) * 0.1, 1.25, 1.65, 1.75, 1.95 + np.arange(7) * 0.1, 2.75, 2.95 + np.arange(5) * 0.1,
+                3.4 + np.arange(1, 9) * 0.15,
+            ]), 3,
         ).tolist()
-    )
+    )  # fmt: skip
     headings_deg: tuple[float, ...] = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
     central_diameter: float = 8.3
     plate_ratio: float = 2.0
@@ -89,20 +95,25 @@ def plan_meshes(plan: DatabasePlan, diameter: float, radius: float, draft: float
     return [semi_mesh(diameter, radius, draft, refine=refine, **common) for refine in (1, 2)]
 
 
-def solve_hull(plan: DatabasePlan, hull, depth: float, rows: int | None = None) -> dict[str, np.ndarray]:
+def plan_settings(plan: DatabasePlan, depth: float) -> BemSettings:
+    """Return the solver's settings of a plan in one depth [m]."""
+    return BemSettings(
+        depth=depth, density=plan.density, gravity=GRAVITY, method=plan.method, headings=tuple(np.radians(plan.headings_deg))
+    )
+
+
+def solve_hull(plan: DatabasePlan, hull, depth: float, rows: int | None = None, *, coarse: bool = False) -> dict[str, np.ndarray]:
     """Return the packed coefficients of one hull: values (frequency, quantity), see `pack`, for the first `rows` frequencies.
 
-    All rows also give the added mass at zero (in deep water) and infinite frequency.
+    All rows also give the added mass at zero (in deep water) and infinite frequency. coarse takes the coarse mesh as it is.
     """
-    settings = BemSettings(
-        depth=depth, density=plan.density, gravity=GRAVITY, method=plan.method,
-        headings=tuple(np.radians(plan.headings_deg)),
-    )  # fmt: skip
-    bodies = [capytaine_body(m) for m in plan_meshes(plan, *hull)]
+    settings = plan_settings(plan, depth)
+    meshes = plan_meshes(plan, *hull)
+    bodies = [capytaine_body(m) for m in (meshes[:1] * 2 if coarse else meshes)]
     solver = load_capytaine().BEMSolver(method=plan.method)
     omega = np.array(plan.scaled_frequency[:rows]) * np.sqrt(GRAVITY / hull[1])
     out = {
-        "values": np.array([pack(*(solve_frequency(b, w, settings, solver) for b in bodies)) for w in omega]),
+        "values": np.array([pack(*(solve_frequency(b, w, settings, solver) for b in bodies), w, settings) for w in omega]),
         "omega": omega,
     }
     if rows is None:
@@ -112,11 +123,10 @@ def solve_hull(plan: DatabasePlan, hull, depth: float, rows: int | None = None) 
     return out
 
 
-def pack(coarse: dict, fine: dict) -> np.ndarray:
+def pack(coarse: dict, fine: dict, omega: float, settings: BemSettings) -> np.ndarray:
     """Return one row: five added masses, five dampings (11, 33, 55, 66, 15) and excitation (real, imaginary) by heading and motion."""
-    added, damping, force = (
-        extrapolated(coarse[name], fine[name]) for name in ("added_mass", "radiation_damping", "excitation")
-    )
+    added, force, circle = (extrapolated(coarse[name], fine[name]) for name in ("added_mass", "excitation", "circle"))
+    damping = far_field(circle, "three-fold xz", omega, settings)
     return np.concatenate([reduced(added), reduced(damping), force.real.ravel(), force.imag.ravel()])
 
 
@@ -143,18 +153,23 @@ def task_path(folder: str | Path, task: tuple[str, int, float]) -> Path:
 
 def run_task(plan: DatabasePlan, task: tuple[str, int, float], folder: str | Path) -> Path:
     """Solve one hull in one depth and keep it in the folder; a result that is already there is left alone."""
-    path, (kind, number, depth) = task_path(folder, task), task
+    path, (kind, number, depth), start = task_path(folder, task), task, time.process_time()
     if path.exists():
         return path
     if kind == "hull":
         found = solve_hull(plan, plan_nodes(plan)[number], depth)
     else:
-        found = solve_hull(plan, plan_nodes(plan, plan.depth_points)[number], depth, low_rows(plan))
+        found = solve_hull(plan, plan_nodes(plan, plan.depth_points)[number], depth, low_rows(plan), coarse=True)
     part = path.with_suffix(f".{os.getpid()}.tmp")
     with open(part, "wb") as file:
-        np.savez(file, **found)
+        np.savez(file, **found, processor_time=time.process_time() - start)
     os.replace(part, path)
     return path
+
+
+def processor_time(plan: DatabasePlan, folder: str | Path) -> float:
+    """Return the processor time [s] that the solutions of a plan took, over all runs and processes."""
+    return float(sum(np.load(task_path(folder, task))["processor_time"] for task in tasks(plan)))
 
 
 def fingerprint(plan: DatabasePlan) -> str:
@@ -185,25 +200,28 @@ def solve_plan(
         os.environ.setdefault(variable, "1")
     if progress:
         progress(done, len(tasks(plan)))
-    if dask:
-        _on_dask(work, dask)
-        return
-    for _ in Parallel(n_jobs=jobs, return_as="generator_unordered")(work):
-        done += 1
-        if progress:
-            progress(done, len(tasks(plan)))
+    with nullcontext() if dask is None else _dask_workers(dask):
+        for _ in Parallel(n_jobs=jobs if dask is None else -1, return_as="generator_unordered")(work):
+            done += 1
+            if progress:
+                progress(done, len(tasks(plan)))
 
 
-def _on_dask(work, address: str) -> None:
-    """Run delayed tasks on the workers of a Dask scheduler."""
+@contextmanager
+def _dask_workers(address: str):
+    """Let joblib use the workers of a Dask scheduler (host:port)."""
     try:
         from dask.distributed import Client
     except ImportError as error:
-        raise ModelError("a Dask cluster needs the package distributed: pip install distributed") from error
-    from joblib import Parallel, parallel_config
+        raise ModelError('a Dask cluster needs Dask: pip install "fowtio[cluster]"') from error
+    from joblib import parallel_config
 
-    with Client(address), parallel_config(backend="dask"):
-        Parallel()(work)
+    try:
+        client = Client(address, timeout=10)
+    except OSError as error:
+        raise ModelError(f"no Dask scheduler answers at {address}: {error}") from None
+    with client, parallel_config(backend="dask"):
+        yield
 
 
 def collect(plan: DatabasePlan, folder: str | Path) -> HydroDatabase:
@@ -236,7 +254,10 @@ def collect(plan: DatabasePlan, folder: str | Path) -> HydroDatabase:
 
 
 def _change(plan: DatabasePlan, folder: Path, depth: float) -> np.ndarray:
-    """Return the change of the low rows (hull, row, quantity) from deep water to a depth, from the coarser grid of hulls."""
+    """Return the change of the low rows (hull, row, quantity) from deep water to a depth, from the coarser grid of hulls.
+
+    On the coarse mesh: the change comes from the waves, and differs by the mesh's error of a part of the value.
+    """
 
     def stack(h):
         count = int(np.prod(plan.depth_points))
@@ -245,7 +266,8 @@ def _change(plan: DatabasePlan, folder: Path, depth: float) -> np.ndarray:
     change = stack(depth) - stack(plan.depths[0])
     coarse, fine = plan_axes(plan, plan.depth_points), plan_axes(plan)
     weights = [lagrange(c, f)[0] for c, f in zip(coarse, fine, strict=True)]
-    change = np.einsum("ai,bj,ck,ijk...->abc...", *weights, change.reshape(*plan.depth_points, *change.shape[1:]))
+    change = change.reshape(*plan.depth_points, *change.shape[1:]) / coarse[0][:, None, None, None, None] ** 2
+    change = np.einsum("ai,bj,ck,ijk...->abc...", *weights, change) * fine[0][:, None, None, None, None] ** 2
     return change.reshape(-1, *change.shape[3:])
 
 
@@ -358,14 +380,16 @@ def held_out(
 ) -> list[dict]:
     """Return the errors of interpolated coefficients on hulls (N, 3) that the database has not seen, solved afresh.
 
-    For every hull the largest difference over the frequencies (and headings), as a share of the largest value of that
-    coefficient on the hull, for the five added masses, the five dampings and the six excitations; both curves besides.
+    Solved half-way between the plan's frequencies, where the splines are worst. For every hull the largest difference over
+    the waves of 4 s and longer (and headings), as a share of the largest value of that coefficient on the hull, for
+    the five added masses, the five dampings and the six excitations; of shorter waves as NAME_short; both curves besides.
     """
     from joblib import Parallel, delayed
 
-    designs = np.atleast_2d(designs)
-    rows = None if np.isinf(depth) else low_rows(plan)
-    work = (delayed(_solved_before)(plan, tuple(map(float, hull)), depth, rows, folder) for hull in designs)
+    designs, s = np.atleast_2d(designs), np.array(plan.scaled_frequency)
+    between = replace(plan, scaled_frequency=tuple(((s[1:] + s[:-1]) / 2).tolist()))
+    rows = None if np.isinf(depth) else low_rows(between)
+    work = (delayed(_solved_before)(between, tuple(map(float, hull)), depth, rows, folder) for hull in designs)
     return [
         _errors(database, plan, hull, found, depth)
         for hull, found in zip(designs, Parallel(n_jobs=jobs)(work), strict=True)
@@ -400,10 +424,14 @@ def _errors(database, plan, hull, found, depth) -> dict:
         "omega": omega,
         "curves": {"solved": solved, "interpolated": guessed},
     }
+    long = omega <= 2 * np.pi / SHORT_PERIOD
     for name, a, b, c, axes in zip(
         ("added_mass", "radiation_damping", "excitation"), guessed, solved, largest, (0, 0, (0, 1)), strict=True
     ):
-        out[name] = np.abs(a - b).max(axis=axes) / np.abs(c).max(axis=axes)
+        error = np.abs(a - b) / np.abs(c).max(axis=axes)
+        out[name] = error[long].max(axis=axes)
+        if not np.all(long):
+            out[f"{name}_short"] = error[~long].max(axis=axes)
     return out
 
 

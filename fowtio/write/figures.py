@@ -6,7 +6,6 @@ model and loads are those of `fowtio.workflow`: a Model, and a sequence of State
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import replace
 
 import matplotlib as mpl
@@ -48,7 +47,8 @@ from fowtio.write.style import (
     unwrapped,
 )
 from model.system.hydro import excitation_at, infinite_added_mass, radiation_at
-from model.system.mooring import force_offset_curve, line_profiles
+from model.system.mooring import line_profiles
+from model.system.mooring_curve import largest_offset, reachable_curve
 
 NACELLE = ("NcIMUTAxs", "NcIMUTAys")
 HULL = (("surge", 0), ("heave", 2), ("pitch", 4))
@@ -350,12 +350,11 @@ def mooring_layout(model) -> Drawing:
 def mooring_curve(model) -> Drawing:
     """Return the restoring force and the tensions of the moorings against horizontal offsets."""
     system = model.deck.mooring
-    reach = 1.5 * max(float(np.abs(p.mean.offset[:2]).max()) for p in model.points)
-    reach = max(reach, 0.05 * system.depth if np.isfinite(system.depth) else 10.0)
+    reach = largest_offset(system, [p.mean.mooring.offset for p in model.points])
     figure, axes = grid(1, 2, height=2.8, top=0.35, between=0.8)
     force_axis, tension_axis = axes[0]
     for name, heading, colour in (("x", 0.0, BLUE), ("y", np.pi / 2, ORANGE)):
-        offsets, force, state = _curve(system, heading, reach)
+        offsets, force, state = reachable_curve(system, heading, reach)
         force_axis.plot(offsets, force * 1e-3, color=colour, label=f"along {name}")
         if name == "x":
             for k, line in enumerate(system.line_names):
@@ -382,13 +381,3 @@ def mooring_curve(model) -> Drawing:
         caption=caption,
         figure=figure,
     )
-
-
-def _curve(system, heading: float, reach: float):
-    """Return offsets [m], restoring force [N] and state along a heading, over a range that the lines can reach."""
-    for _ in range(6):
-        offsets = np.linspace(-reach, reach, 61)
-        with suppress(ValueError):
-            return offsets, *force_offset_curve(system, heading, offsets)
-        reach /= 2
-    return np.zeros(1), *force_offset_curve(system, heading, np.zeros(1))

@@ -9,7 +9,7 @@ import numpy as np
 from fowtio.errors import ModelError
 from fowtio.write.atomic import atomic_file
 from model.environment.airy import wavenumber
-from model.system.hydro import HydroCoefficients
+from model.system.hydro import HydroCoefficients, tabulated
 
 _ROTATIONS = np.array([0, 0, 0, 1, 1, 1])
 _DOFS = ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
@@ -27,7 +27,7 @@ def write_wamit(hydro: HydroCoefficients, stem: str | Path, *, length: float = 1
             f"WAMIT files are written about the origin, these coefficients are about {tuple(hydro.reference_point)} m; "
             "transfer them first (model.system.hydro.transfer)"
         )
-    stem = Path(stem)
+    stem, hydro = Path(stem), tabulated(hydro)
     files = {".1": _radiation_rows(hydro, length)}
     if hydro.excitation is not None:
         files[".3"] = _excitation_rows(hydro, length)
@@ -83,7 +83,7 @@ def write_capytaine(hydro: HydroCoefficients, path: str | Path, *, body_name: st
     """
     import xarray as xr  # here, because it takes long
 
-    path = Path(path)
+    path, hydro = Path(path), tabulated(hydro)
     ends = [(0.0, hydro.added_mass_zero)], [(np.inf, hydro.added_mass_infinite)]
     low, high = ([(w, a) for w, a in end if a is not None] for end in ends)
     omega = np.concatenate([[w for w, _ in low], hydro.omega, [w for w, _ in high]])

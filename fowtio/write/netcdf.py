@@ -18,8 +18,9 @@ from fowtio.write.provenance import command
 from fowtio.write.quantities import channel_label, dof_unit, people, split_spectra
 from model.conventions import PLATFORM_DOFS
 from model.response.assemble import all_parts
-from model.system.hydro import infinite_added_mass
+from model.system.hydro import infinite_added_mass, tabulated
 from model.system.mooring import line_profiles
+from model.system.mooring_curve import largest_offset, reachable_curve
 
 CONVENTIONS = (
     "SI units, radians, rad/s. Complex amplitudes X in Re{X e^(+i omega t)}; phase 0 is a crest at the origin. "
@@ -247,7 +248,7 @@ def _contributions(model) -> dict:
 
 
 def _hydro(model) -> dict:
-    hydro = model.hydro
+    hydro = tabulated(model.hydro)
     square = ("hydro_frequency", "motion", "motion_column")
     out = {
         "hydro_frequency": (
@@ -310,6 +311,26 @@ def _moorings(model) -> dict:
             (*dims, "line_node", "axis"),
             [line_profiles(system, s)[0] for s in states],
             _about("shape of the lines, x, y, z", "m"),
+        ),
+        "line_tension": (
+            (*dims, "line_node"),
+            [line_profiles(system, s)[1] for s in states],
+            _about("mean tension along the lines, from their first ends", "N"),
+        ),
+        **_offset_curve(system, [p.mean.mooring for p in model.points]),
+    }
+
+
+def _offset_curve(system, states) -> dict:
+    """Return restoring force and fairlead tensions of a platform that is moved along x without rotation."""
+    offset, force, moved = reachable_curve(system, 0.0, largest_offset(system, [s.offset for s in states]))
+    return {
+        "mooring_offset": (("mooring_offset",), offset, _about("platform moved along x", "m")),
+        "mooring_offset_force": (("mooring_offset",), force, _about("restoring force of the moorings", "N")),
+        "mooring_offset_tension": (
+            ("mooring_offset", "line"),
+            moved.fairlead_tension,
+            _about("fairlead tension of the platform moved along x", "N"),
         ),
     }
 

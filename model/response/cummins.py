@@ -132,7 +132,9 @@ def radiation_consistency(hydro: HydroCoefficients) -> RadiationConsistency:
     change = np.sqrt(
         np.tensordot(weight, (hydro.added_mass - np.tensordot(weight, hydro.added_mass, axes=1)) ** 2, axes=1)
     )
-    size = np.sqrt(np.abs(np.outer(np.diag(infinite), np.diag(infinite))))
+    own = np.abs(np.diag(infinite))
+    own = np.maximum(own, 1e-9 * np.repeat([own[:3].max(), own[3:].max()], 3))  # yaw of a body of revolution is rounding
+    size = np.sqrt(np.outer(own, own))
     matters = change > _SIGNIFICANT * size
     misfit = np.where(matters, gap / np.where(matters, change, 1.0), np.nan)
     return RadiationConsistency(

@@ -106,6 +106,13 @@ def of_members(
     return with_members(empty, members)
 
 
+def tabulated(hydro: HydroCoefficients) -> HydroCoefficients:
+    """Return the coefficients with the wave force of members in the table of excitation, at its own frequencies and headings."""
+    if hydro.members is None:
+        return hydro
+    return replace(hydro, members=None, excitation=excitation_at(hydro, hydro.omega, hydro.heading))
+
+
 LOW_FREQUENCY = ("hold", "hydrostatic")
 
 

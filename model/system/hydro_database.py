@@ -2,7 +2,8 @@
 
 The family has three numbers (column diameter, platform radius, draft) and three-fold symmetry, so added mass and damping have five
 numbers (11 = 22, 33, 55 = 44, 66, 15 = -24) and headings of 0 to 60 degrees say all. Polynomials through Chebyshev points in the
-dimensions, at equal scaled frequency s = omega sqrt(radius / g), cubic splines in s, trigonometric polynomials in the heading.
+dimensions, at equal scaled frequency s = omega sqrt(radius / g), of the values over the columns' diameter squared (their section, which all
+of them grow with); cubic splines in s, trigonometric polynomials in the heading.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from model.conventions import frozen
+from model.system.haskind import turn as turned
 
 REDUCED = (
     (0, 0, 0, 1),
@@ -69,9 +71,8 @@ class HydroDatabase:
     @cached_property
     def splines(self) -> np.ndarray:
         """Cubic B-spline coefficients (h, a, b, c, n, quantities) of the values along the scaled frequency."""
-        return make_interp_spline(self.scaled_frequency, np.asarray(self.values, dtype=float), k=3, axis=4).c.transpose(
-            1, 2, 3, 4, 0, 5
-        )
+        values = np.asarray(self.values, dtype=float)
+        return make_interp_spline(self.scaled_frequency, values, k=3, axis=4).c.transpose(1, 2, 3, 4, 0, 5)
 
     @cached_property
     def tables(self) -> dict[tuple, np.ndarray]:
@@ -200,15 +201,9 @@ def heading_map(nodes: np.ndarray, heading: np.ndarray) -> np.ndarray:
         third = np.round(angle / (2 * np.pi / 3))
         rest = angle - third * 2 * np.pi / 3
         k = round(abs(rest) / step)
-        turn = _turn(third * 2 * np.pi / 3) @ (np.diag(MIRROR) if rest < -1e-9 else np.eye(6))
+        turn = turned(third * 2 * np.pi / 3) @ (np.diag(MIRROR) if rest < -1e-9 else np.eye(6))
         out[:, :, k] += _dirichlet(heading - angle, count)[:, None, None] * turn
     return out
-
-
-def _turn(angle: float) -> np.ndarray:
-    c, s = np.cos(angle), np.sin(angle)
-    block = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return np.kron(np.eye(2), block)
 
 
 def _dirichlet(x: np.ndarray, count: int) -> np.ndarray:
@@ -257,8 +252,14 @@ def _table(database: HydroDatabase, depth: float, heading: np.ndarray) -> np.nda
 
 
 def _weights(database: HydroDatabase, designs: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Return the weights (N, a b c) of the grid's hulls and their derivatives by the three dimensions."""
+    """Return the weights (N, a b c) of the grid's hulls and their derivatives by the three dimensions.
+
+    Polynomials pass through the values over the diameter squared; times the square of the hull's own.
+    """
     parts = [lagrange(getattr(database, n), designs[:, k]) for k, n in enumerate(("diameter", "radius", "draft"))]
+    value, slope = parts[0]
+    own = designs[:, :1]
+    parts[0] = value * (own / database.diameter) ** 2, (slope * own**2 + 2 * value * own) / database.diameter**2
 
     def product(pick):
         a, b, c = (parts[k][pick[k]] for k in range(3))

@@ -27,8 +27,8 @@ def cheb(low, high, count):
 
 
 def quantity(d, r, t, s, inverse_depth):
-    """A polynomial within the degrees that the grid resolves (3, 5, 4 in the dimensions, 3 in s, 1 in the depth)."""
-    return (1 + d**3 * 1e-3 + d * r**2 * 1e-4) * (2 + t**2 * 1e-2) * (5 + s**3 - 2 * s) * (1 + 30 * inverse_depth)
+    """The diameter squared times a polynomial within the grid's degrees (3, 5, 4 in the dimensions, 3 in s, 1 in the depth)."""
+    return d**2 * (1 + d**3 * 1e-3 + d * r**2 * 1e-4) * (2 + t**2 * 1e-2) * (5 + s**3 - 2 * s) * (1 + 30 * inverse_depth)
 
 
 @pytest.fixture(scope="module")

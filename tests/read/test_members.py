@@ -11,6 +11,8 @@ from fowtio.errors import FormatError
 from fowtio.read.hydrodyn import drag_members
 from fowtio.read.morison_elements import inertia_elements
 from fowtio.read.openfast_deck import deck_hydro, read_deck
+from fowtio.read.wamit import read_wamit
+from fowtio.write.hydro import write_wamit
 from model.system.hydro import excitation_at, radiation_at
 
 BRACES = tuple(str(n) for n in (11, 12, 13, 17, 18, 19, 20, 21, 22))
@@ -145,3 +147,12 @@ def test_strips_and_potential_flow_agree_on_a_slender_spar(strip_spar, oc4_folde
     assert a[0, 0, 0] == pytest.approx(b[0, 0, 0], rel=0.04)
     # strips know nothing of the flow around the lower end, which takes 5 % off in pitch, where its arm is longest
     assert a[0, 4, 4] == pytest.approx(b[0, 4, 4], rel=0.07)
+
+
+def test_written_coefficients_hold_the_members(strip_spar, tmp_path):
+    spar = deck_hydro(read_deck(strip_spar))
+    write_wamit(spar, tmp_path / "spar")
+    back = read_wamit(tmp_path / "spar", density=spar.density, gravity=spar.gravity, depth=spar.depth)
+    omega, heading = spar.omega[[3, 11, 20]], spar.heading[[2, 6]]
+    a, b = (excitation_at(h, omega, heading) for h in (spar, back))
+    np.testing.assert_allclose(b, a, atol=2e-6 * np.abs(a).max())  # seven digits in the files
