@@ -291,6 +291,8 @@ def _turbine(case: Case, deck: Deck, dofs: Sequence[str], speed: float) -> tuple
     by_blades = speed > 0 and case.options.wind_inputs == "blades"
     if near is not None:
         return _linearised_turbine(near, deck, dofs, by_blades)
+    if by_blades and (case.turbine is not None or case.rotor is not None):
+        raise ModelError(f"WindInputs blades needs linearisations with node inputs (LinInputs = 2); there is none at {speed:g} m/s")
     if case.turbine is not None and case.turbine.table.covers(speed):
         return _kept(turbine_at(case.turbine.table, speed), dofs), (), []
     if speed == 0:
