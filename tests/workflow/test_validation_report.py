@@ -53,7 +53,9 @@ def test_deviations_in_wind_and_waves(wind, channel, std, tolerance):
 
 
 def test_the_state_s_own_wind_is_inside_the_seeds_interval(wind):
-    """Nothing taken from the records: three seeds leave 7 to 26 % of chance, the error is below that."""
+    """Nothing taken from the records: three seeds leave 7 to 26 % of chance, the error is below that; in pitch and tower within 3 and 5 %."""
+    for name, tolerance in (("PtfmHeave", 0.03), ("PtfmPitch", 0.03), ("TTDspFA", 0.05), ("TwrBsFxt", 0.05), ("TwrBsMyt", 0.05)):
+        assert abs(of(wind, name).std_error_state) < tolerance, name
     for name in ("PtfmSurge", "PtfmHeave", "PtfmPitch", "TTDspFA", "TwrBsFxt", "TwrBsMyt", "T[2]"):
         c = of(wind, name)
         assert abs(c.std_error_state) < c.interval, name
@@ -73,6 +75,8 @@ def test_motion_and_thrust_move_the_mean(wind, steady):
     assert abs(of(steady, "PtfmSurge").mean_error) < 0.006
     assert of(wind, "PtfmSurge").mean_error_rest > 0.02
     assert abs(of(wind, "PtfmSurge").mean_error) < 0.006
+    for line in ("T[1]", "T[2]", "T[3]"):  # the mean tension of a moving floater: half the curvature times the variance
+        assert abs(of(wind, line).mean_error) < 0.002, line
 
 
 def test_means_alone_are_judged_in_steady_wind(steady):
@@ -222,7 +226,8 @@ def test_tables_of_the_study_are_read(study):
     case = fowtio.load(path)
     reference = case.references[0]
     assert reference.channels == (("T[#]", "FairTen#", 0.0), ("PtfmSurge", "X", 0.001))
-    assert reference.tolerance_of("TwrBsMyt").std == 0.02
+    assert (reference.tolerance_of("TwrBsMyt").std, reference.tolerance_of("TwrBsMyt").rao) == (0.03, pytest.approx(0.022))
+    assert reference.tolerance_of("PtfmHeave").std == 0.02
     assert case.references[1].tolerance_of("TwrBsMyt").std == 0.05
     assert case.references[1].tolerance_of("PtfmYaw").std is None
     assert case.references[1].tolerance_of("PtfmPitch").mean == 0.02
