@@ -7,7 +7,7 @@ follows the waves again: a linear memory force with the kernel -(4 / pi) K s K' 
 after an impulse on the other. It takes damping away at the resonances, because drag limits the largest motions most.
 
 That is the first order of a series which overshoots where drag is the only damping. Its excess kurtosis k1 is therefore closed
-to k1 / (1 + beta |k1|) with the beta that makes an oscillator damped by |v| v alone, in white noise, exact
+to k1 / (1 + beta |k1|) with the beta that gives an oscillator damped by |v| v alone, in white noise, its exact kurtosis
 (stochastic averaging; Roberts and Spanos, Random Vibration and Statistical Linearization, 1990, ch. 7), and forces likewise.
 """
 
