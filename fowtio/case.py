@@ -97,7 +97,8 @@ class Options:
 class Case:
     """A study: its file, title, deck, hydrodynamic coefficients (None: the deck's), degrees of freedom (None: the deck's),
     linearisations, states (empty: the deck's own sea), options, references and decay tests for validation; the turbine's
-    matrices by wind speed, or a rotor table, for wind speeds without a linearisation; a hull or mesh file for the picture.
+    matrices by wind speed, or a rotor table, for wind speeds without a linearisation; a hull or mesh file for the picture;
+    published natural periods [s] by mode.
     """
 
     path: Path
@@ -115,6 +116,7 @@ class Case:
     turbine: TurbineEntry | None = None
     hull: Path | None = None
     thrust_table: Path | None = None
+    published: tuple[tuple[str, float], ...] = ()
 
     @property
     def wind_speeds(self) -> tuple[float, ...]:
@@ -136,9 +138,9 @@ _OPTIONS = {
     "DragTol": ("drag_tolerance", float),
 }  # fmt: skip
 _EXTRAS = ("TowerSections", "ModalTowerLoads", "AnchorTensions", "AirGapPoints", "DirectLin", "FreqFile")
-_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "TurbineFile", "HullFile", "ThrustTable", *TABLES, *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
-_TABLES = ("NLin", "NStates", *TABLES)
-_COLUMNS = ("WindSpeed", "LinFiles", "LinDeck", "MassMatrix", "Name", "Turbulence", "Spectrum", "State", "RefFiles", "(m/s)", "(-)")
+_NAMES = ("Deck", "HydroFile", "DOFs", "NLin", "NStates", "NoiseLow", "NoiseHigh", "NPub", "TurbineFile", "HullFile", "ThrustTable", *TABLES, *_EXTRAS, *ROTOR_NAMES, *_OPTIONS)
+_TABLES = ("NLin", "NStates", "NPub", *TABLES)
+_COLUMNS = ("WindSpeed", "LinFiles", "LinDeck", "MassMatrix", "Name", "Turbulence", "Spectrum", "State", "RefFiles", "Mode", "Period", "(m/s)", "(-)")
 
 
 def load(path: str | Path) -> Case:
@@ -174,6 +176,7 @@ def load(path: str | Path) -> Case:
         turbine=problems.get(lambda: _turbine_entry(source)),
         hull=problems.get(lambda: _file(source, "HullFile") if _names(source, "HullFile") else None),
         thrust_table=problems.get(lambda: thrust_table(source)),
+        published=problems.get(lambda: _published(source, problems), ()),
     )  # fmt: skip
     _check_consistency(case, problems)
     problems.raise_all()
@@ -412,6 +415,21 @@ def _turbine_entry(source: InputFile) -> TurbineEntry | None:
         return None
     path = _file(source, "TurbineFile")
     return TurbineEntry(path=path, table=read_turbine_table(path))
+
+
+def _published(source: InputFile, problems: Problems) -> tuple[tuple[str, float], ...]:
+    """Return published natural periods [s] by mode, from the table of NPub."""
+    if not source.has("NPub"):
+        return ()
+    table, out = source.table("NPub"), []
+    for mode, period, line in zip(table.column("Mode"), table.numbers("Period"), table.numbers_of_lines, strict=True):
+        if mode not in PLATFORM_DOFS + TOWER_MODES:
+            problems.add(f"Mode is {mode!r}, expected one of {', '.join(PLATFORM_DOFS + TOWER_MODES)}", line)
+        elif not period > 0:
+            problems.add(f"Period of {mode} is {period:g} s, expected a number above zero", line)
+        else:
+            out.append((mode, float(period)))
+    return tuple(out)
 
 
 def read_states(source: InputFile, problems: Problems) -> tuple[StateEntry, ...]:

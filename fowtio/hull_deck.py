@@ -54,7 +54,7 @@ class DeckPlan:
     """What a deck and its study say of a floating hull; turbine is a key of TURBINES; added_stiffness and added_damping (6, 6) are
     HydroDyn's; linearisations are wind speeds [m/s] and their folders in LINEARISED (none: the turbine's matrices by wind speed, where there
     are); states are name, wind speed, turbulence, spectrum, significant height [m] and peak period [s];
-    hull_file, of the reference data, is drawn where members do not tell the hull's shape.
+    hull_file, of the reference data, is drawn where members do not tell the hull's shape; published are natural periods [s] by mode.
     """
 
     name: str
@@ -70,6 +70,7 @@ class DeckPlan:
     linearisations: Sequence[tuple[float, str]] = ()
     states: Sequence[tuple[str, float, str, str, float, float]] = (STORM,)
     hull_file: str | None = None
+    published: Sequence[tuple[str, float]] = ()
 
 
 def write_deck(plan: DeckPlan, folder: str | Path) -> Path:
@@ -237,6 +238,12 @@ def _study(plan: DeckPlan, folder: Path) -> str:
         matrices = _at_hand(f"{TURBINES[plan.turbine][0]}/{MATRICES}", folder, f"input/{MATRICES}")
     hull = f'"{_at_hand(plan.hull_file, folder, "hull.toml")}"  HullFile      - shape of the hull, for the picture\n' if plan.hull_file else ""
     named = f'"{matrices}"  TurbineFile   - matrices of the turbine by wind speed\n' if matrices else ""
+    known = "".join(f"{mode:<10}  {period:g}\n" for mode, period in plan.published)
+    published = f"""---------------------- PUBLISHED NATURAL PERIODS -------------------------------
+{len(plan.published)}                NPub          - rows of the table
+Mode        Period
+(-)         (s)
+{known}""" if known else ""
     states = [_state_row(*state) for state in (("white_noise", 0.0, "none", "white_noise", 1.766352, "-"), *plan.states)]
     return f"""------- FOWTIO STUDY FILE ------------------------------------------------------
 {TURBINES[plan.turbine][1]} on {plan.title}
@@ -255,7 +262,7 @@ Name          WindSpeed  Turbulence  Spectrum     Hs        Tp    Gamma  WaveDir
 {chr(10).join(states)}
 ---------------------- OPTIONS -------------------------------------------------
 "hydrostatic"    LowFreqExctn  - excitation below the data: hold (lowest value, as HydroDyn) or hydrostatic (its limit)
-END of study
+{published}END of study
 """
 
 

@@ -58,6 +58,7 @@ def oc3_spar(hydro: HydroCoefficients) -> DeckPlan:
     return DeckPlan(
         name="oc3", title="the OC3-Hywind spar, 320 m", turbine="nrel5mw", platform=_body(7.46633e6, -89.9155, 4.22923e9, 4.22923e9, 1.6423e8),
         hydro=hydro, members=members, depth=320.0, added_stiffness=stiffness, added_damping=damping, linearisations=LINEARISATIONS, states=(OPERATION, STORM),
+        published=(("surge", 125.0), ("heave", 30.9), ("pitch", 29.5), ("yaw", 8.3)),
         lines=_around([180.0, 60.0, -60.0], 5.2, -70.0, 853.87, -320.0, length=902.2, mass=77.7066, diameter=0.09, stiffness=3.84243e8),
     )  # fmt: skip
 
@@ -74,7 +75,7 @@ def iti_barge(hydro: HydroCoefficients) -> DeckPlan:
     return DeckPlan(
         name="iti", title="the ITI Energy barge, 150 m", turbine="nrel5mw", platform=_body(5.452e6, -0.281768, 7.269e8, 7.269e8, 1.45393e9),
         hydro=replace(hydro, volume=6000.0), members=[member], depth=150.0, linearisations=LINEARISATIONS, states=(OPERATION, STORM),
-        hull_file="iti_barge/hull.toml",
+        hull_file="iti_barge/hull.toml", published=(("surge", 131.0), ("heave", 7.8), ("pitch", 11.9)),
         lines=_around(anchors, 28.2843, -4.0, 423.422, -150.0, lead_angles=corners, length=473.312, mass=130.403, diameter=0.0809, stiffness=5.89e8),
     )  # fmt: skip
 
@@ -87,6 +88,7 @@ def mit_tlp(hydro: HydroCoefficients) -> DeckPlan:
     return DeckPlan(
         name="tlp", title="the MIT/NREL tension-leg platform, 200 m", turbine="nrel5mw", platform=_body(8.6e6, -40.612, 5.716e8, 5.716e8, 3.614e8),
         hydro=hydro, members=[member], depth=200.0, linearisations=LINEARISATIONS, states=(OPERATION, STORM),
+        published=(("surge", 60.6), ("heave", 2.3), ("pitch", 4.5), ("yaw", 10.3)),
         lines=_around(angles, 27.0, -47.89, 27.0, -200.0, length=151.73, mass=116.027, diameter=0.127, stiffness=1.5e9),
     )  # fmt: skip
 

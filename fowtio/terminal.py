@@ -83,6 +83,7 @@ def show_run(model, results, folder: Path, files: Sequence[Path], kept=None, pai
     """Print the summary of the main job; kept and pairs come from `fowtio.kept_dofs`, None without a flexible rotor."""
     print(model.case.title)
     show_table(tables.natural_periods(model))
+    show_table(tables.published_periods(model))
     show_table(tables.mean_offsets(model))
     show_table(tables.summary(results))
     if kept is not None:
@@ -136,6 +137,7 @@ def members_row(hydro: HydroCoefficients) -> str:
 def show_modes(model) -> None:
     """Print the natural modes of every operating point."""
     show_table(tables.natural_periods(model))
+    show_table(tables.published_periods(model))
     show_notes(model)
 
 

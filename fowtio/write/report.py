@@ -170,7 +170,9 @@ def _model_section(model, pictures) -> Section:
 def _periods_section(model, loads) -> Section:
     return Section(
         title="Natural periods and mean offsets",
-        content=(tables.natural_periods(model), tables.damping_with_drag(loads), tables.mean_offsets(model)),
+        content=tuple(t for t in (
+            tables.natural_periods(model), tables.published_periods(model), tables.damping_with_drag(loads), tables.mean_offsets(model),
+        ) if t is not None),
     )
 
 

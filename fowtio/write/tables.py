@@ -102,6 +102,25 @@ def natural_periods(model) -> Table:
     return Table(name="natural_periods", title="Natural periods", columns=columns, rows=tuple(rows), note=note)
 
 
+def published_periods(model) -> Table | None:
+    """Return the natural periods of the first operating point beside the published ones that the study names, None without any."""
+    modes = model.points[0].modes
+    own = {n: (2 * np.pi / float(w), 2 * np.pi / float(h)) for n, w, h in zip(modes.names, modes.frequency, modes.frequency_infinite, strict=True)}
+    rows = tuple(
+        (dof_label(n), period, *(v for p in own[n] for v in (p, 100 * (p / period - 1)))) for n, period in model.case.published if n in own
+    )
+    columns = (
+        Column(name="Mode"), Column(name="Published", unit="s"), Column(name="Period", unit="s"),
+        Column(name="Difference", unit="%", decimals=1), Column(name="With infinite-frequency added mass", unit="s"),
+        Column(name="Its difference", unit="%", decimals=1),
+    )  # fmt: skip
+    note = (
+        f"{point_label(model.points[0].wind_speed)}. Published periods that come from a linearisation without radiation memory have the "
+        "infinite-frequency added mass; those from decay tests that of the mode's own frequency."
+    )
+    return Table(name="published_periods", title="Natural periods against published ones", columns=columns, rows=rows, note=note) if rows else None
+
+
 def damping_with_drag(loads: Sequence) -> Table:
     """Return the damping ratios of the natural modes with the drag that was linearised for each state."""
     names = tuple(dict.fromkeys(n for item in loads for n in item.point.modes.names))

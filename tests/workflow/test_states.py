@@ -53,3 +53,21 @@ def test_extreme_turbulence(oc4_folder, tmp_path):
     # IEC 61400-1 ed. 3 eq. 19: sigma1 = c Iref (0.072 (Vave/c + 3)(Vhub/c - 4) + 10), c = 2 m/s, class I: Vave = 10 m/s, Iref = 0.14
     expected = 2 * 0.14 * (0.072 * (10 / 2 + 3) * (11 / 2 - 4) + 10)
     assert turbulence_sigma(wind.turbulence_class, wind.turbulence_model, wind.mean_speed, wind.wind_class) == pytest.approx(expected, rel=1e-12)
+
+
+def test_published_periods_stand_beside_the_models(cli, oc4_folder):
+    found = cli("modes", oc4_folder.parent / "mit_tlp" / "tlp.fowt")
+    assert found.code == 0
+    table = found.out[found.out.index("Natural periods against published ones") :]
+    row = next(line for line in table.splitlines() if line.startswith("Surge")).replace("−", "-").split()
+    published, own, own_difference, infinite, infinite_difference = map(float, row[1:6])
+    assert published == 60.6
+    assert own_difference == pytest.approx(100 * (own / published - 1), abs=0.1)
+    assert infinite_difference == pytest.approx(100 * (infinite / published - 1), abs=0.1)
+
+
+def test_a_published_period_of_no_mode_is_named(trial):
+    study = trial()
+    rewrite(study, "END of study", "------ PUBLISHED\n2  NPub - rows\nMode  Period\n(-)  (s)\nsurge  125\nsurgee  0\nEND of study")
+    with pytest.raises(CaseError, match="Mode is 'surgee', expected one of surge"):
+        fowtio.load(study)
