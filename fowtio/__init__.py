@@ -26,7 +26,7 @@ _PUBLIC = {
     "fatigue_study": "fowtio.fatigue_study",
     "cost_study": "fowtio.cost_study",
     "load_optimisation": "fowtio.optimise.study",
-    "optimise": "fowtio.optimise.run",
+    "optimise_study": "fowtio.optimise.run:optimise",
     "write_results": "fowtio.write.results",
     "FowtioError": "fowtio.errors",
     "FormatError": "fowtio.errors",

@@ -55,8 +55,8 @@ class DesignState:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CostRules:
-    """How cost is reckoned: prices, plate layout, kind of line ("chain", "wire") and anchor ("drag", "pile"), soil, safety on the
-    anchor's load, the state whose mean load it is, walls [m] of columns and plates, central column, braces.
+    """How cost is reckoned: the state whose mean load the anchors are for, prices, plate layout, kind of line ("chain", "wire") and
+    anchor ("drag", "pile"), soil, safety on the anchor's load.
     """
 
     state: str
