@@ -40,7 +40,7 @@ from model.system.hydro import headings_cover
 
 VERSIONS = ("2.0", "3.0")
 BAND = (2 * np.pi * 0.005, 2 * np.pi * 0.5)  # rad/s in which the fits aim at the responses
-SEA_STEP = 0.04  # rad/s, largest step of the internal sea's table of forces
+SEA_STEP = 0.05  # rad/s, largest step of the internal sea's table of forces
 PLATFORMS = {
     "linux64": ("linux64", "x86_64-linux", ".so", ("gcc", "cc", "clang"), ("-fPIC",)),
     "win64": ("win64", "x86_64-windows", ".dll", ("x86_64-w64-mingw32-gcc",), ("-static-libgcc",)),
