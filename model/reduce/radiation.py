@@ -215,7 +215,8 @@ def _fit_block(omega, data, urgent, floor, target: float, most: int) -> _Passive
     rows, columns_ = np.triu_indices(data.shape[1])
     values, nodes = data[:, rows, columns_], floor == 1
     peak = np.maximum(np.abs(values[nodes]).max(axis=0), 1e-300)
-    need = np.clip(RESPONSE * urgent[:, rows, columns_] * peak, floor[:, None], MOST) / peak
+    share = RESPONSE * np.where(nodes, 1.0, 0.6)[:, None]
+    need = np.clip(share * urgent[:, rows, columns_] * peak, floor[:, None], MOST) / peak
     problem = _Problem(
         omega=omega, g=values / (1j * omega[:, None]), weight=_weights(omega, values, nodes, peak, need), part=omega[:, None] * need,
         scale=np.sqrt(peak[rows == columns_]),
