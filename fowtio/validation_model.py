@@ -284,7 +284,7 @@ def quadratic_drag(
     systems = [point.system]
     convolution = radiation_settings(model)
     if convolution is not None:
-        systems.append(replace(point.system, hydro=convolved_radiation(model.hydro, *convolution)))
+        systems.append(replace(point.system, hydro=convolved_radiation(point.system.hydro, *convolution)))
     ready = {
         n: [
             record_model(s, point.mean, n, records.step, heading, side.response.drag_damping, low_frequency=options.low_frequency_excitation)

@@ -41,7 +41,7 @@ from model.system.contributions import (
 )
 from model.system.controller import ROTOR_AZIMUTH
 from model.system.drag import DragMembers, steady_drag
-from model.system.hydro import HydroCoefficients, headings_cover
+from model.system.hydro import HydroCoefficients, headings_cover, refined
 from model.system.identified import SecondOrder, has_load_inputs, second_order
 from model.system.linearisation import Linearisation
 from model.system.tower import TOWER_MODES, top_place, tower_modes
@@ -125,6 +125,7 @@ def build(case: Case, *, progress: Callable[[str], None] = lambda text: None, sp
     _check_headings(hydro, states, case.path)
     dofs = deck.elastodyn.dofs if case.dofs is None else case.dofs
     parts, notes = _fixed_parts(deck, hydro)
+    fine = refined(hydro)
     drag = drag_members(deck.hydrodyn.members, deck.density)
     flow = _current(deck, drag)
     if flow is not None:
@@ -140,7 +141,7 @@ def build(case: Case, *, progress: Callable[[str], None] = lambda text: None, sp
         kept = turbine.dofs if dofs == ALL_DOFS else dofs
         if case.rotor is not None and speed == 0:
             kept = tuple(d for d in kept if d != ROTOR_AZIMUTH)
-        points.append(_operating_point(speed, turbine, contained, kept, parts, hydro, drag, flow, deck, case.options.extras))
+        points.append(_operating_point(speed, turbine, contained, kept, parts, fine, drag, flow, deck, case.options.extras))
         notes += _stretched(points[-1])
     omega = _omega(case, states, points)
     return Model(

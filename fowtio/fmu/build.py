@@ -30,15 +30,17 @@ from fowtio.workflow import Model, OperatingPoint, state_excitation
 from fowtio.write.atomic import atomic_file
 from model.environment.wind import WindState
 from model.reduce.excitation import ExcitationFit, WaveForce, fit_wave_force, wave_force
-from model.reduce.importance import Importance, importance
+from model.reduce.importance import importance
 from model.reduce.radiation import RadiationFit, fit_radiation
 from model.reduce.state_space import StateSpace, modal_form, reduce_balanced, state_space
+from model.reduce.targets import targets
 from model.response.drag_iteration import linear_drag_model
 from model.response.solve import Excitation, Response, prepare, solve
 from model.system.hydro import headings_cover
 
 VERSIONS = ("2.0", "3.0")
 BAND = (2 * np.pi * 0.005, 2 * np.pi * 0.5)  # rad/s in which the fits aim at the responses
+SEA_STEP = 0.05  # rad/s, largest step of the internal sea's table of forces
 PLATFORMS = {
     "linux64": ("linux64", "x86_64-linux", ".so", ("gcc", "cc", "clang"), ("-fPIC",)),
     "win64": ("win64", "x86_64-windows", ".dll", ("x86_64-w64-mingw32-gcc",), ("-static-libgcc",)),
@@ -61,7 +63,8 @@ _SPACE_GROUPS = {"elevation": "elevation", "wave_force": "wave_force", "sea": "w
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Linearised:
     """A model as a state space about one state: the state, its point and response (the headings of the internal sea last among its
-    own), fits of radiation and excitation, the space, the bound of its reduction (zero without).
+    own), the frequencies [rad/s] at which the coefficients were computed, fits of radiation and excitation, the space, the bound of its
+    reduction (zero without).
     """
 
     state: StateEntry
@@ -69,7 +72,7 @@ class Linearised:
     response: Response
     column: int
     waves: WaveForce
-    matters: Importance
+    data: np.ndarray
     radiation: RadiationFit
     excitation: ExcitationFit | None
     space: StateSpace
@@ -136,11 +139,15 @@ def linearise(
     own = _own_part(response, column)
     matters = importance(point.outputs, own, point.modes.frequency, BAND)
     progress("fitting radiation")
-    radiation = fit_radiation(point.system.hydro, matters)
+    radiation = fit_radiation(point.system.hydro, matters, data=model.hydro.omega)
     excitation = None
     if "elevation" in inputs:
         progress("fitting excitation")
-        excitation = fit_wave_force(waves, column, matters)
+        wanted = targets(
+            point.system, point.mean, point.outputs, response.drag_damping, radiation, lambda omega: waves.at(omega, column), BAND,
+            data=model.hydro.omega,
+        )  # fmt: skip
+        excitation = fit_wave_force(waves, column, wanted)
     groups = {_SPACE_GROUPS[g] for g in inputs if entry.wind_speed > 0 or g not in ("wind", "turbulence")}
     space = state_space(
         point.system, point.mean, point.outputs, response.drag_damping, radiation, excitation=excitation,
@@ -153,7 +160,7 @@ def linearise(
         except ValueError as error:
             raise ModelError(str(error)) from None
     return Linearised(
-        state=entry, point=point, response=response, column=column, waves=waves, matters=matters, radiation=radiation,
+        state=entry, point=point, response=response, column=column, waves=waves, data=model.hydro.omega, radiation=radiation,
         excitation=excitation, space=space, reduction_bound=bound,
     )  # fmt: skip
 
@@ -310,10 +317,9 @@ def _sea(found: Linearised, inputs: Sequence[str]) -> SeaTable:
             omega=None,
             spectrum=None,
         )
-    hydro = found.point.system.hydro
-    omega = np.unique(
-        np.concatenate([[0.01, 0.03], hydro.omega, np.linspace(hydro.omega[-1], 2 * np.pi * SEA_TOP, 12)])
-    )
+    gaps = zip(found.data, found.data[1:], strict=False)
+    own = [np.linspace(a, b, 1 + int(np.ceil((b - a) / SEA_STEP))) for a, b in gaps]
+    omega = np.unique(np.concatenate([[0.01, 0.03], *own, np.linspace(found.data[-1], 2 * np.pi * SEA_TOP, 12)]))
     omega = omega[(omega >= found.waves.omega[0]) & (omega <= found.waves.omega[-1])]
     return sea_table(found.waves, range(found.column + 1, len(found.waves.heading)), omega, start)
 

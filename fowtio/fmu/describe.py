@@ -18,6 +18,7 @@ from model.reduce.state_space import ModalForm, StateSpace
 REPEAT_PERIOD = 3600.0  # s, after which internal sea and wind repeat
 SEA_TOP, WIND_TOP = 1.0, 0.8  # Hz
 LARGEST_PART = 0.1  # s: longest part of a step while sea or wind change inside it
+LARGEST_SEED = 2**31 - 1
 GROUPS = ("elevation", "wave_force", "sea", "wind", "turbulence", "platform_force", "tower_force")
 UNITS = {
     "m": ({"m": 1}, {}), "s": ({"s": 1}, {}), "rad": ({"rad": 1}, {"deg": 180 / np.pi}), "m/s": ({"m": 1, "s": -1}, {}),
@@ -288,6 +289,10 @@ def _parameters(
 ) -> list[Variable]:
     """Return the parameters, real ones and integers, in the order of their places."""
     real, integer = [], []
+
+    def add_integer(name: str, start: int, low: int, high: int, text: str) -> None:
+        integer.append(Variable(name=name, kind="integer", index=len(integer), start=start, low=low, high=high, description=text))
+
     if sea is not None:
         first = sea.start
         period = first.peak_period or 10.0
@@ -300,33 +305,13 @@ def _parameters(
             Variable(name="Sea.Gamma", kind="parameter", index=2, unit="1", start=gamma, low=1.0, high=7.0, description="JONSWAP peak factor of the internal sea"),
             Variable(name="Sea.Heading", kind="parameter", index=3, unit="rad", start=float(np.clip(first.heading, low, high)), low=float(low), high=float(high), description="direction the internal sea goes to, 0 downwind, counter-clockwise"),
         ]  # fmt: skip
-        integer.append(
-            Variable(
-                name="Sea.Seed",
-                kind="integer",
-                index=0,
-                start=1,
-                low=0,
-                high=2**31 - 1,
-                description="seed of the internal sea's phases",
-            )
-        )
+        add_integer("Sea.Seed", 1, 0, LARGEST_SEED, "seed of the internal sea's phases")
     if turbulence is not None:
         real += [
             Variable(name="Wind.MeanOffset", kind="parameter", index=len(real), unit="m/s", start=0.0, low=-10.0, high=10.0, description="added to the wind speed of the operating point"),
             Variable(name="Wind.TurbulenceIntensity", kind="parameter", index=len(real) + 1, unit="1", start=turbulence.intensity, low=0.0, high=1.0, description="of the internal wind; 0: steady"),
         ]  # fmt: skip
-        integer.append(
-            Variable(
-                name="Wind.Seed",
-                kind="integer",
-                index=len(integer),
-                start=1,
-                low=0,
-                high=2**31 - 1,
-                description="seed of the internal wind's phases",
-            )
-        )
+        add_integer("Wind.Seed", 1, 0, LARGEST_SEED, "seed of the internal wind's phases")
     for name, unit in zip(space.initial_names, space.initial_units, strict=True):
         label = "Initial." + "".join(_INITIAL.get(part, part.capitalize()) for part in name.split("_"))
         what = name.replace("_", " ")
@@ -342,17 +327,7 @@ def _parameters(
         )
     if has_inputs:
         text = "co-simulation inputs within a step: 0 held (or along the derivatives given), 1 linear from their values at the last communication point"
-        integer.append(
-            Variable(
-                name="Settings.InputInterpolation",
-                kind="integer",
-                index=len(integer),
-                start=0,
-                low=0,
-                high=1,
-                description=text,
-            )
-        )
+        add_integer("Settings.InputInterpolation", 0, 0, 1, text)
     return real + integer
 
 

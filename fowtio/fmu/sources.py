@@ -173,7 +173,7 @@ def _array(kind: str, name: str, values, *lengths) -> tuple[str, str]:
         raise ModelError(f"the state space holds a number in {name} that is not finite")
     shape = "".join(f"[{n} + 1]" if isinstance(n, str) else f"[{n}]" for n in lengths)
     if kind == "double":
-        write = repr if len(lengths) == 1 else "{:.13g}".format  # the poles to the last digit
+        write = repr if len(lengths) == 1 else "{:.11g}".format  # the poles to the last digit
     elif kind == "float":
         write = "{:.5e}f".format
     else:

@@ -12,16 +12,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.conventions import PLATFORM_DOFS, freeze
-from model.reduce.importance import Importance, pooled
-from model.reduce.rational import RationalFit, fit, realisation
+from model.reduce.rational import partial_fractions, realisation, relocate
+from model.reduce.targets import PHASE, Targets
 from model.response.solve import Response
 from model.system.hydro import HydroCoefficients, excitation_at
 
-TARGET = 0.006
-SHIFTS = (12.0, 16.0, 20.0)
-ORDERS = (44, 60, 72, 84)
+TARGET = 0.013  # of any response; see Targets for what a phase counts
+WINDOWS = ((60.0, 20.0), (80.0, 20.0), (80.0, 30.0), (110.0, 40.0), (150.0, 60.0))  # s: memory and shift tried in turn
+FADES = 3.0  # nepers within the memory, at the start
+SLOW = (0.003, 0.01, 0.03, 0.1)  # 1/s: what the memory cannot hold, below the lowest frequency of the data
+RELOCATIONS = 5  # of the poles
+ROUNDS = 8  # of reweighting
+OWN = 0.3  # what an error of a force relative to its own peak counts beside one of a response; a tenth of it outside the band
 CAP = 10.0  # that a relative error of a force may count above one, where forces nearly cancel in a response
-LOW = 0.03  # rad/s
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -29,7 +32,7 @@ class ExcitationFit:
     """Wave force f = C z, z' = A z + b eta: a (r, r), b (r), c (6, r) for a force `shift` [s] late.
 
     error (6): largest error over the frequencies of the data as a fraction of each force's largest value (zero where there is no
-    force); worst: largest error weighted as in the fit.
+    force); worst: largest error of any response in the band as `Targets` counts it, 0.02 standing for 2 % or 2 degrees.
     """
 
     a: np.ndarray
@@ -91,79 +94,124 @@ def wave_force(hydro: HydroCoefficients, response: Response, *, low_frequency: s
     )
 
 
-def fit_wave_force(waves: WaveForce, column: int, matters: Importance, *, band=(LOW, 3.2)) -> ExcitationFit:
-    """Return the causal state space of the wave force from one heading (its place among those of `waves`).
-
-    The fit is judged at the frequencies of the data: between them the model interpolates the force linearly, with kinks that
-    no impulse response of reasonable length has. band [rad/s] outside which nothing is fitted.
-    """
-    data = np.array([w for w in waves.hydro.omega if band[0] <= w <= band[1]])
-    data = np.unique(np.concatenate([np.geomspace(band[0] * 1.05, data[0], 3)[:-1], data]))
-    between = waves.omega[(waves.omega >= band[0]) & (waves.omega <= band[1])]
-    omega, first = np.unique(np.concatenate([data, between]), return_index=True)
-    nodes = first < len(data)
+def fit_wave_force(waves: WaveForce, column: int, targets: Targets) -> ExcitationFit:
+    """Return the causal state space of the wave force from one heading (its place among those of `waves`)."""
+    top = targets.omega[-1]
+    omega = np.concatenate([targets.omega[0] * np.array([0.4, 0.7]), targets.omega, top * np.array([1.05, 1.15, 1.3, 1.5, 1.8])])
+    inside = (omega >= targets.omega[0]) & (omega <= top)
     force = waves.at(omega, column)
-    size = np.abs(force)
-    peak = size[nodes].max(axis=0)
+    peak = np.abs(force[inside]).max(axis=0)
     lever = np.where(np.arange(6) < 3, 1.0, 30.0)  # m, to tell forces and moments that are there from rounding
-    alive = (peak > 0) & (peak > 1e-4 * lever * (peak / lever).max(initial=0.0))
-    sensitive = np.stack([np.interp(omega, data, s) for s in pooled(matters.omega, matters.force, data).T], axis=1)
-    with np.errstate(divide="ignore"):
-        weight = np.minimum(np.maximum(sensitive, 0.3 / peak), CAP / size + 1 / peak)
-    return fit_excitation(omega, force, np.where(alive, weight, 0.0), nodes)
+    live = np.flatnonzero((peak > 0) & (peak > 1e-4 * lever * (peak / lever).max(initial=0.0)))
+    if not len(live):
+        none = np.zeros(0)
+        return ExcitationFit(a=np.zeros((0, 0)), b=none, c=np.zeros((6, 0)), shift=0.0, error=np.zeros(6), worst=0.0)
+    own = OWN * np.where(inside, 1.0, 0.1)[:, None, None] * np.diag(1 / peak[live])
+    poles, found, shift, worst = fit_excitation(omega, force[:, live], inside, targets, own, live)
+    a, b = realisation(poles)
+    c = np.zeros((6, len(a)))
+    c[live] = found.T
+    out = ExcitationFit(a=a, b=b, c=c, shift=shift, error=np.zeros(6), worst=worst)
+    data = omega[inside][targets.data]
+    error, known = np.zeros(6), waves.at(data, column)
+    error[live] = np.abs(out(data) - known)[:, live].max(axis=0) / np.abs(known).max(axis=0)[live]
+    object.__setattr__(out, "error", error)
+    return out
 
 
 def fit_excitation(
-    omega, force, weight, nodes, *, shifts=SHIFTS, orders=ORDERS, target: float = TARGET
-) -> ExcitationFit:
-    """Return the causal state space of a force per metre of wave amplitude.
+    omega, force, inside, targets: Targets, own, live, *, windows=WINDOWS, target: float = TARGET
+) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """Return poles, coefficients (b, l), shift [s] and the largest error of any response of a causal fit of a force.
 
     Parameters
     ----------
-    omega : (n) [rad/s], ascending
-    force : (n, 6) complex [N/m, N m/m]
-    weight : (n, 6) what an error counts, 1/force for a relative one; zero columns are left out
-    nodes : (n) true at the frequencies of the data; between them, where the force is interpolated, an error counts a tenth
-    shifts, orders : [s] and numbers of poles that are tried; the smallest order that reaches the target with any shift, else the
-        best fit, is taken
+    omega : (n) [rad/s]; force : (n, l) complex, the degrees of freedom `live` of six; inside : (n) true where `targets` hold
+    targets : the responses to be met with the force
+    own : (n, l, l) what an error of the force itself counts
+    windows : memory and shift [s] tried in turn; the first that reaches the target, else the best within a twentieth
+
+    Poles start as many as a memory needs, evenly spaced, and are relocated by vector fitting; the coefficients follow from the responses,
+    with weights that grow where the error is large (Lawson), so that the largest error falls.
     """
-    omega, force = np.asarray(omega, dtype=float), np.asarray(force)
-    live = np.flatnonzero(weight.any(axis=0))
-    if not len(live):
-        return ExcitationFit(
-            a=np.zeros((0, 0)), b=np.zeros(0), c=np.zeros((6, 0)), shift=0.0, error=np.zeros(6), worst=0.0
-        )
-    weight = weight[:, live] * np.where(nodes, 1.0, 0.1)[:, None]
-    part = np.where(nodes[:, None], weight, 0.0)
-    best: tuple[float, RationalFit, float] | None = None
-    for order in orders:
-        for shift in shifts:
-            late = force[:, live] * np.exp(-1j * omega * shift)[:, None]
-            found, error = fit(
-                omega, late, np.stack([weight, weight]), _poles(order, omega[-1]), rounds=5, iterations=5, part=part
-            )
-            if best is None or error < best[0]:
-                best = error, found, shift
-        if best[0] <= target:
+    problems = [_Window(omega, force, inside, targets, own, live, *w) for w in windows[:1]]
+    first = [problems[0].fit(1)[1]]
+    for window in windows[1:]:
+        if first[-1] <= 1.3 * target:  # what the reweighting gains
             break
-    return _result(omega, force, nodes, live, *best)
+        problems.append(_Window(omega, force, inside, targets, own, live, *window))
+        first.append(problems[-1].fit(1)[1])
+    chosen = next(k for k, e in enumerate(first) if e <= max(1.3 * target, 1.05 * min(first)))
+    coefficients, worst = problems[chosen].fit(ROUNDS)
+    return problems[chosen].poles, coefficients, problems[chosen].shift, worst
 
 
-def _poles(order: int, top: float) -> np.ndarray:
-    """Return poles to start from: two slow real ones, few pairs at low frequency, the rest evenly up to the top [rad/s]."""
-    even = np.linspace(0.25, 1.1 * top, order // 2 - 4)
-    return np.concatenate([[-0.004 + 0j, -0.02 + 0j], (-0.03 + 1j) * np.concatenate([[0.04, 0.08, 0.15], even])])
+class _Window:
+    """The problem of one memory [s] and shift [s]: poles, and linear in the coefficients."""
+
+    def __init__(self, omega, force, inside, targets: Targets, own, live, memory: float, shift: float):
+        gain, late, count = targets.gain[..., live], force * np.exp(-1j * omega * shift)[:, None], len(live)
+        self.shift, self.inside = shift, inside
+        self.poles = _poles(memory, 1.08 * targets.omega[-1])
+        weight = np.einsum("nii->ni", own).copy()
+        weight[inside] = targets.counts[:, None] * np.maximum(weight[inside], np.abs(targets.share[..., None] * gain).max(axis=1))
+        weight = np.minimum(weight, CAP / np.abs(force) + 1 / np.abs(force).max(axis=0))
+        for _ in range(RELOCATIONS):
+            self.poles = _faded(relocate(omega, late, np.stack([weight, weight]), self.poles, "proper"), memory)
+        basis = partial_fractions(1j * omega, self.poles)
+        self.size = np.linalg.norm(basis, axis=0)
+        basis, each = basis / self.size, basis.shape[1]
+        self.basis = np.zeros((len(omega), 2 * count, count * each))  # real parts above imaginary parts of the forces
+        for k in range(count):
+            mine = slice(k * each, (k + 1) * each)
+            self.basis[:, k, mine], self.basis[:, count + k, mine] = basis.real, basis.imag
+        self.own, self.own_target = _real(own), _stacked(np.einsum("nij,nj->ni", own, late))
+        turn = targets.share[..., None] * np.exp(1j * targets.omega * shift)[:, None, None]
+        self.rows, self.counts = _real(turn * gain, PHASE), targets.counts[:, None]
+        self.level = np.concatenate([targets.share != 0, np.zeros(targets.share.shape)], axis=1)
+
+    def fit(self, rounds: int) -> tuple[np.ndarray, float]:
+        """Return coefficients (b, l) and the largest error of a response after some rounds of reweighting."""
+        weight, best = np.ones(self.rows.shape[:2]), None
+        for _ in range(rounds):
+            a, b = self._weighted(weight)
+            size = np.maximum(np.linalg.norm(a, axis=0), 1e-300)
+            a /= size
+            normal = a.T @ a
+            x = np.linalg.solve(normal + 1e-13 * np.trace(normal) / len(normal) * np.eye(len(normal)), a.T @ b) / size
+            error = self.counts * np.abs(np.einsum("nij,nj->ni", self.rows, self.basis[self.inside] @ x) - self.level)
+            if best is None or error.max() < best[1]:
+                best = x, float(error.max())
+            weight = weight * (0.05 * error.max() + error.max(axis=1, keepdims=True)) ** 0.6
+            weight /= weight.mean()
+        return best[0].reshape(-1, len(self.size)).T / self.size[:, None], best[1]
+
+    def _weighted(self, weight) -> tuple[np.ndarray, np.ndarray]:
+        """Return matrix and right side of the least squares; the rows of each frequency are first reduced to as many as unknown forces."""
+        rows = np.concatenate([self.rows, self.level[..., None]], axis=2) * (weight * self.counts)[..., None]
+        triangle = np.linalg.qr(rows, mode="r")
+        blocks = [triangle[..., :-1] @ self.basis[self.inside], self.own @ self.basis]
+        matrix = np.concatenate([block.reshape(-1, block.shape[-1]) for block in blocks])
+        return matrix, np.concatenate([triangle[..., -1].ravel(), self.own_target.ravel()])
 
 
-def _result(omega, force, nodes, live, worst: float, found: RationalFit, shift: float) -> ExcitationFit:
-    a, b = realisation(found.poles)
-    c = np.zeros((6, len(a)))
-    c[live] = found.coefficients.T
-    out = ExcitationFit(a=a, b=b, c=c, shift=float(shift), error=np.zeros(6), worst=worst)
-    peak = np.abs(force[nodes]).max(axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        error = np.abs(out(omega[nodes]) - force[nodes]).max(axis=0) / peak
-    dead = np.ones(6, dtype=bool)
-    dead[live] = False
-    object.__setattr__(out, "error", np.where(dead, 0.0, np.nan_to_num(error)))
-    return out
+def _poles(memory: float, top: float) -> np.ndarray:
+    """Return poles to start from: slow real ones, and pairs evenly spaced up to the top [rad/s] that fade within the memory [s]."""
+    spacing = 2 * np.pi / memory
+    return np.concatenate([-np.array(SLOW) + 0j, -FADES / memory + 1j * spacing * np.arange(1, int(top / spacing) + 1)])
+
+
+def _faded(poles, memory: float) -> np.ndarray:
+    """Return poles none of which rings on long after the memory [s]; real ones may be as slow as the slowest to start from."""
+    least = np.where(poles.imag == 0, SLOW[0], 1 / memory)
+    return -np.maximum(-poles.real, least) + 1j * poles.imag
+
+
+def _real(matrix, phase: float = 1.0) -> np.ndarray:
+    """Return a complex matrix (n, i, j) as a real one (n, 2 i, 2 j), real parts first; rows of imaginary parts times `phase`."""
+    top = np.concatenate([matrix.real, -matrix.imag], axis=2)
+    return np.concatenate([top, phase * np.concatenate([matrix.imag, matrix.real], axis=2)], axis=1)
+
+
+def _stacked(values) -> np.ndarray:
+    return np.concatenate([values.real, values.imag], axis=1)

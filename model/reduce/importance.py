@@ -74,10 +74,17 @@ def pooled(importance_omega, values, nodes) -> np.ndarray:
     return out
 
 
+def excited(size: np.ndarray, units, peak=None) -> np.ndarray:
+    """Return where responses of a size (n, c) are large enough to be compared: above FAINT of their peak, in channels that waves move.
+
+    peak (c): by default the largest of `size`.
+    """
+    peak = size.max(axis=0) if peak is None else peak
+    of_unit = np.array([max(p for p, other in zip(peak, units, strict=True) if other == u) for u in units])
+    return (size > FAINT * peak) & (peak > DEAD * of_unit) & (size > 0)
+
+
 def _relative(size: np.ndarray, inside: np.ndarray, units) -> np.ndarray:
-    """Return 1/size (n, c) where a channel is excited, inside the band, and above FAINT of its peak; zero elsewhere."""
-    peak = np.where(inside[:, None], size, 0.0).max(axis=0)
-    of_unit = {u: max(p for p, other in zip(peak, units, strict=True) if other == u) for u in set(units)}
-    alive = peak > DEAD * np.array([of_unit[u] for u in units])
-    counts = inside[:, None] & (size > FAINT * peak) & alive & (size > 0)
+    """Return 1/size (n, c) where a channel is excited, inside the band; zero elsewhere."""
+    counts = inside[:, None] & excited(np.where(inside[:, None], size, 0.0), units)
     return np.where(counts, 1 / np.where(counts, size, 1.0), 0.0)

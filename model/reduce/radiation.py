@@ -17,7 +17,8 @@ from scipy.sparse.csgraph import connected_components
 
 from model.conventions import PLATFORM_DOFS, freeze
 from model.reduce.importance import Importance, pooled
-from model.reduce.rational import RationalFit, admissible, fit, partial_fractions, realisation, starting_poles
+from model.reduce.rational import RationalFit, admissible, columns, fit, rational, realisation, starting_poles
+from model.response.cummins import added_mass_of_damping
 from model.system.hydro import HydroCoefficients, infinite_added_mass, radiation_at
 
 ABSENT = (
@@ -27,16 +28,19 @@ SIGNIFICANT = 0.01  # of the geometric mean of the two diagonal peaks
 TARGET = 0.005  # of the peak, and of any response
 PASSIVE = 1e-5  # largest negative eigenvalue of the scaled damping matrix that counts as rounding
 RESPONSE = 0.58  # what a relative error of a response counts beside an error of K relative to its peak
+BETWEEN, BEYOND = 0.1, 0.01  # what an error of K counts between the frequencies of the data and outside them
 MOST = 1000.0  # that responses may raise the weight of an error above that of a fraction of the peak
-ORDERS = (8, 12, 14, 16, 18, 20, 22, 24, 26, 28)
-PATIENCE = 8  # fits tried without a tenth of gain before more poles are held to be of no use
+TOP = 3.3  # rad/s, up to which responses count
+FEWEST, MORE, MANY = 8, 2, 30  # poles to begin with, added at a time, at most
+PATIENCE = 5  # fits tried without a tenth of gain before more poles are held to be of no use
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RadiationFit:
     """Radiation force -(C z), z' = A z + B v for platform velocities v (6): a (r, r), b (r, 6), c (6, r).
 
-    error (6, 6): largest |K_fit - K| over the data as a fraction of the pair's largest |K|, NaN where the pair is not significant
+    added_mass_change (6, 6) is what the infinite-frequency added mass of the data is changed by: panel codes give it to a few parts in
+    ten thousand, and where added mass and damping disagree by that much no kernel fits both. error (6, 6): largest |K_fit - K| over the data as a fraction of the pair's largest |K|, NaN where the pair is not significant
     and left out; blocks are the degrees of freedom that belong together and orders their pole counts. least_damping is the
     lowest eigenvalue of the damping matrix over frequency, with degrees of freedom scaled by the root of their peaks:
     before (first) and after (second) passivity was enforced.
@@ -45,13 +49,14 @@ class RadiationFit:
     a: np.ndarray
     b: np.ndarray
     c: np.ndarray
+    added_mass_change: np.ndarray
     error: np.ndarray
     blocks: tuple[tuple[str, ...], ...]
     orders: tuple[int, ...]
     least_damping: tuple[float, float]
 
     def __post_init__(self):
-        freeze(self, a=("r", "r"), b=("r", 6), c=(6, "r"), error=(6, 6))
+        freeze(self, a=("r", "r"), b=("r", 6), c=(6, "r"), added_mass_change=(6, 6), error=(6, 6))
 
     @property
     def largest_error(self) -> float:
@@ -59,9 +64,10 @@ class RadiationFit:
         return float(np.nanmax(self.error, initial=0.0))
 
     def __call__(self, omega) -> np.ndarray:
-        """Return K (n, 6, 6) at omega (n) [rad/s]."""
+        """Return K (n, 6, 6) at omega (n) [rad/s], about the infinite-frequency added mass of the data."""
         s = 1j * np.asarray(omega, dtype=float)[:, None, None]
-        return self.c @ np.linalg.solve(s * np.eye(len(self.a)) - self.a, self.b + 0j)
+        memory = self.c @ np.linalg.solve(s * np.eye(len(self.a)) - self.a, self.b + 0j)
+        return memory + s * self.added_mass_change
 
 
 def retardation_transform(hydro: HydroCoefficients, omega) -> np.ndarray:
@@ -71,8 +77,23 @@ def retardation_transform(hydro: HydroCoefficients, omega) -> np.ndarray:
     return (k + np.swapaxes(k, 1, 2)) / 2
 
 
+def disagreement(hydro: HydroCoefficients) -> np.ndarray:
+    """Return by how much added mass and damping of a body's data disagree, as fractions of the peaks of |K| (6, 6).
+
+    The largest difference between the added mass of the data and the one that causality lets follow from the damping, with the
+    infinite-frequency added mass that makes it smallest in the mean square; zero where there is no radiation. About half
+    of it is left in any causal fit.
+    """
+    omega = hydro.omega
+    implied = omega[:, None, None] * (hydro.added_mass - infinite_added_mass(hydro) - added_mass_of_damping(hydro, omega))
+    change = np.tensordot(omega, implied, axes=1) / np.sum(omega**2)
+    rest = np.abs(implied - omega[:, None, None] * change).max(axis=0)
+    peak = np.abs(retardation_transform(hydro, omega)).max(axis=0)
+    return np.where(_significant(peak, omega[-1] * np.abs(np.diag(infinite_added_mass(hydro)))), rest / np.maximum(peak, 1e-300), 0.0)
+
+
 def fit_radiation(
-    hydro: HydroCoefficients, matters: Importance | None = None, *, target: float = TARGET, orders=ORDERS
+    hydro: HydroCoefficients, matters: Importance | None = None, *, data=None, target: float = TARGET, most: int = MANY
 ) -> RadiationFit:
     """Return a stable, passive state space of the radiation of a body.
 
@@ -80,49 +101,63 @@ def fit_radiation(
     ----------
     hydro : coefficients about the platform reference point
     matters : what errors do to the responses; where they do much, the fit is closer
-    target : largest error sought, a fraction of each pair's peak, and of any response
-    orders : numbers of poles tried in turn for each block until the target is reached; the best one stays otherwise
+    data : frequencies [rad/s] at which the coefficients were computed, by default all of `hydro`
+    target : largest error sought, a fraction of each pair's peak at the frequencies of the data, and of any response everywhere
+    most : number of poles up to which poles are added to each block until the target is reached; the best fit stays otherwise
     """
-    omega = hydro.omega
-    low, high = omega[0], omega[-1]
-    natural = [] if matters is None else [w for w in matters.natural if low < w < high]
-    grid = np.unique(
-        np.concatenate([[low / 4, low / 2], omega, natural, high * np.array([1.05, 1.1, 1.2, 1.35, 1.5, 2.0])])
-    )
-    urgent = np.zeros((len(grid), 6, 6)) if matters is None else pooled(matters.omega, matters.radiation, grid)
-    data = retardation_transform(hydro, grid)
-    inside = (grid >= low * (1 - 1e-9)) & (grid <= high * (1 + 1e-9))
-    peak = np.abs(data[inside]).max(axis=0)
-    diagonal = np.diag(peak)
-    significant = peak > SIGNIFICANT * np.sqrt(np.outer(diagonal, diagonal))
-    largest = np.array([diagonal[:3].max()] * 3 + [diagonal[3:].max()] * 3)
-    rounding = 1e-12 * high * np.abs(np.diag(infinite_added_mass(hydro)))
-    dead = (diagonal <= ABSENT * largest) | (diagonal <= rounding)  # a hull of strips alone has no radiation
-    significant &= (peak > 0) & ~dead & ~dead[:, None]
+    omega, floor = _fitting_grid(hydro.omega if data is None else data, () if matters is None else matters.natural)
+    urgent = np.zeros((len(omega), 6, 6)) if matters is None else pooled(matters.omega, matters.radiation, omega)
+    known, nodes = retardation_transform(hydro, omega), floor == 1
+    peak = np.abs(known[nodes]).max(axis=0)
+    significant = _significant(peak, omega[nodes][-1] * np.abs(np.diag(infinite_added_mass(hydro))))
     parts, names, found, least = [], [], [], []
+    change, together = np.zeros((6, 6)), np.zeros((6, 6), dtype=bool)
     for block in _blocks(significant):
-        best = _fit_block(grid, data[:, block][:, :, block], urgent[:, block][:, :, block], inside, target, orders)
-        parts.append((block, *_realise(best.found, best.found.coefficients)))
+        here = np.ix_(block, block)
+        best = _fit_block(omega, known[:, *here], urgent[:, *here], floor, target, most)
+        parts.append((block, *_realise(best.found)))
         names.append(tuple(PLATFORM_DOFS[k] for k in block))
         found.append(best.found.order)
-        exact, _ = least_damping(*parts[-1][1:], np.sqrt(np.diag(peak)[block]), high)
-        least.append((best.before, exact))
+        least.append((best.before, best.after))
+        change[here], together[here] = _symmetric(best.found.constant), True
     a, b, c = _stack(parts)
     out = RadiationFit(
-        a=a,
-        b=b,
-        c=c,
-        error=np.zeros((6, 6)),
-        blocks=tuple(names),
-        orders=tuple(found),
+        a=a, b=b, c=c, added_mass_change=change, error=np.zeros((6, 6)), blocks=tuple(names), orders=tuple(found),
         least_damping=tuple(float(v) for v in np.min(least, axis=0)) if least else (0.0, 0.0),
-    )
-    together = np.zeros((6, 6), dtype=bool)
-    for block, *_ in parts:
-        together[np.ix_(block, block)] = True
+    )  # fmt: skip
     with np.errstate(divide="ignore", invalid="ignore"):
-        error = np.abs(out(omega) - retardation_transform(hydro, omega)).max(axis=0) / peak
+        error = np.abs(out(omega[nodes]) - known[nodes]).max(axis=0) / peak
     object.__setattr__(out, "error", np.where(significant & together, error, np.nan))
+    return out
+
+
+def _fitting_grid(data, natural) -> tuple[np.ndarray, np.ndarray]:
+    """Return frequencies [rad/s] to fit at and what an error of K counts there at least: the data's (1), between and beyond them."""
+    low, high = data[0], data[-1]
+    natural = np.outer(np.asarray(natural), [0.985, 1.0, 1.015]).ravel()  # resonances, and how they rise and fall
+    between = np.concatenate([(data[1:] + data[:-1]) / 2, [w for w in natural if low < w < high]])
+    tail = np.linspace(high, max(1.35 * high, TOP), 16)[1:]
+    beyond = np.concatenate([[low / 4, low / 2], [w for w in natural if not low < w < high], tail, high * np.array([1.5, 2.0])])
+    floor = np.repeat([1.0, BETWEEN, BEYOND], [len(data), len(between), len(beyond)])
+    omega, first = np.unique(np.concatenate([data, between, beyond]), return_index=True)
+    return omega, floor[first]
+
+
+def _significant(peak, inertia) -> np.ndarray:
+    """Return which pairs (6, 6) radiate, from the peaks (6, 6) of their |K| and what rounding is measured by (6)."""
+    diagonal = np.diag(peak)
+    largest = np.array([diagonal[:3].max()] * 3 + [diagonal[3:].max()] * 3)
+    dead = (diagonal <= ABSENT * largest) | (diagonal <= 1e-12 * inertia)  # a hull of strips alone has no radiation
+    return (peak > SIGNIFICANT * np.sqrt(np.outer(diagonal, diagonal))) & (peak > 0) & ~dead & ~dead[:, None]
+
+
+def _symmetric(upper) -> np.ndarray:
+    """Return the symmetric matrix (..., m, m) of upper triangles (..., m (m + 1) / 2)."""
+    upper = np.asarray(upper)
+    m = int((np.sqrt(8 * upper.shape[-1] + 1) - 1) / 2)
+    i, j = np.triu_indices(m)
+    out = np.zeros((*upper.shape[:-1], m, m), dtype=upper.dtype)
+    out[..., i, j] = out[..., j, i] = upper
     return out
 
 
@@ -162,65 +197,69 @@ def _blocks(significant: np.ndarray) -> list[list[int]]:
 
 @dataclass(frozen=True, eq=False)
 class _Passive:
-    """A passive fit of a block: the fit of G, its largest error, least damping eigenvalue before and after."""
+    """A passive fit of a block: the fit of G, the weights that made it, its largest error, least damping eigenvalue before and after."""
 
     found: RationalFit
+    weight: np.ndarray
     error: float
     before: float
     after: float
 
 
-def _fit_block(omega, data, urgent, inside, target: float, orders) -> _Passive:
-    """Return the passive fit of G = K / (i omega) of one block (n, m, m) with the lowest order that reaches the target.
+def _fit_block(omega, data, urgent, floor, target: float, most: int) -> _Passive:
+    """Return the passive fit of G = K / (i omega) of one block (n, m, m) with the fewest poles that reach the target.
 
-    Data that are not quite causal or passive themselves may not let any order reach it; then the lowest order within
-    two per cent of the best error is taken.
+    Poles are added where the error is largest; a single pair is cheap enough to start afresh each time besides. Data that are not quite causal or passive themselves may not let any number reach
+    the target; then the fewest poles within two per cent of the best error are taken.
     """
-    rows, columns = np.triu_indices(data.shape[1])
-    values = data[:, rows, columns]
-    peak = np.maximum(np.abs(values[inside]).max(axis=0), 1e-300)
-    need = np.clip(RESPONSE * urgent[:, rows, columns] * peak, 1.0, MOST) / peak
-    weight = _weights(omega, values, inside, peak, need)
-    part = np.where(inside, omega, 0.0)[:, None] * need
-    g = values / (1j * omega[:, None])
-    low, high = omega[inside][0], omega[inside][-1]
-    scale = np.sqrt(peak[rows == columns])
-    tried = []
-    for order in orders:
-        for real in (2, 0):
-            found, _ = fit(omega, g, weight, starting_poles(order, 4 * low, high, real), order="fast", part=part)
-            tried.append(_enforce_passivity(omega, g, weight, part, found.poles, scale))
-        errors = [_rank(t)[1] + 10.0 * _rank(t)[0] for t in tried]
-        if min(errors) <= target or min(errors) > 0.9 * min(errors[:-PATIENCE], default=np.inf):
+    rows, columns_ = np.triu_indices(data.shape[1])
+    values, nodes = data[:, rows, columns_], floor == 1
+    peak = np.maximum(np.abs(values[nodes]).max(axis=0), 1e-300)
+    share = RESPONSE * np.where(nodes, 1.0, 0.6)[:, None]
+    need = np.clip(share * urgent[:, rows, columns_] * peak, floor[:, None], MOST) / peak
+    problem = _Problem(
+        omega=omega, g=values / (1j * omega[:, None]), weight=_weights(omega, values, nodes, peak, need), part=omega[:, None] * need,
+        scale=np.sqrt(peak[rows == columns_]),
+    )  # fmt: skip
+    low, high = omega[nodes][[0, -1]]
+    order, grown, tried = FEWEST, None, []
+    while True:
+        starts = [starting_poles(order, 4 * low, high, 2)] if grown is None or len(rows) == 1 else []
+        fits = [_from(problem, poles) for poles in [*starts, *([] if grown is None else [grown])]]
+        tried.append(min(fits, key=lambda f: f.error))
+        errors = [t.error for t in tried]
+        stuck = min(errors) > 0.9 * min(errors[:-PATIENCE], default=np.inf)
+        order += MORE
+        if errors[-1] <= target or stuck or order > most:
             break
+        worst = np.abs(tried[-1].found(omega) - problem.g) * problem.part
+        grown = np.append(tried[-1].found.poles, (-0.05 + 1j) * omega[worst.max(axis=1).argmax()])
     enough = max(target, 1.02 * min(errors))
-    return next(t for t, e in zip(tried, errors, strict=True) if e <= enough)
+    return _exactly_passive(problem, next(t for t, e in zip(tried, errors, strict=True) if e <= enough))
 
 
-def _rank(fit: _Passive) -> tuple[bool, float]:
-    """Order fits: passive ones first, then by error."""
-    return fit.after < -PASSIVE, fit.error
+def _from(problem: _Problem, poles) -> _Passive:
+    """Return the passive fit with the poles that vector fitting finds from some to start from."""
+    found, _ = fit(problem.omega, problem.g, problem.weight, poles, kind="fast", rounds=3, iterations=5, part=problem.part)
+    return _passive(problem, found.poles)
 
 
-def _weights(omega, values, inside, peak, need) -> np.ndarray:
+def _weights(omega, values, nodes, peak, need) -> np.ndarray:
     """Return weights (2, n, c) of G's real part (added mass) and imaginary part (damping).
 
-    An error of K counts as `need` says, at least as a fraction of the peak; where the damping is small (at low frequency, where drag-damped
-    modes live) its own error counts for more; beyond the data everything counts little.
+    An error of K counts as `need` says; where the damping is small (at low frequency, where drag-damped modes live) its own error
+    counts for more.
     """
     damping = np.abs(values.real) / peak
-    added = np.maximum(omega, omega[inside][0] * 4)[:, None] * need
-    small = added * (1 + 0.06 / (0.003 + damping))
-    return np.stack([added, small]) * np.where(inside, 1.0, 0.1)[:, None]
+    added = np.maximum(omega, omega[nodes][0] * 4)[:, None] * need
+    return np.stack([added, added * (1 + 0.06 / (0.003 + damping))])
 
 
-def _realise(found: RationalFit, coefficients) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _realise(found: RationalFit) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return A, B, C of one block: one copy of the poles for each input; coefficients (b, m (m + 1) / 2) of G."""
     a, b = realisation(found.poles)
-    m = int((np.sqrt(8 * coefficients.shape[1] + 1) - 1) / 2)
-    rows, columns = np.triu_indices(m)
-    c = np.zeros((m, m, len(a)))
-    c[rows, columns] = c[columns, rows] = coefficients.T @ a
+    c = np.swapaxes(_symmetric((found.coefficients.T @ a).T), 0, -1)
+    m = len(c)
     return np.kron(np.eye(m), a), np.kron(np.eye(m), b[:, None]), c.reshape(m, -1)
 
 
@@ -235,43 +274,62 @@ def _stack(parts) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return a, b, c
 
 
-def _enforce_passivity(omega, g, weight, part, poles, scale, rounds: int = 12) -> _Passive:
-    """Return the best fit of G (n, c) with given poles whose damping matrix is nowhere negative.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Problem:
+    """G (n, c) of one block at omega (n) [rad/s], weight (2, n, c) of the least squares, part (n, c) of the error judged, scale (m)
+    of the degrees of freedom."""
+
+    omega: np.ndarray
+    g: np.ndarray
+    weight: np.ndarray
+    part: np.ndarray
+    scale: np.ndarray
+
+
+def _passive(problem: _Problem, poles, rounds: int = 6) -> _Passive:
+    """Return the best fit with given poles whose damping matrix is nowhere negative on a grid.
 
     Least squares under the linear conditions u^T Re K(i omega) u >= 0, u the eigenvector of a negative minimum, which are
     added until no negative minimum is left (cutting planes; the set of passive coefficients is convex). Between rounds
     points with large errors gain weight. Cf. Gustavsen, IEEE Trans. Power Delivery 23(4), 2008.
     """
-    space = admissible(poles, "fast")
-    basis = partial_fractions(1j * omega, poles) @ space
-    check = _check_grid(poles, omega)
-    now, best, chosen, before = weight, None, weight, None
-    planes = np.zeros((0, g.shape[1] * space.shape[1]))
+    now, best, before = problem.weight, None, None
+    check, planes = _check_grid(poles, problem.omega), None
     for _ in range(rounds):
-        tried, planes = _passive_fit(basis, g, now, part, poles, space, check, scale, planes)
+        tried, planes = _passive_fit(problem, now, poles, check, planes)
         before = tried.before if before is None else before
-        if best is None or _rank(tried) < _rank(best):
-            best, chosen = tried, now
-        error = np.abs(basis @ (space.T @ tried.found.coefficients) - g) * part
+        if best is None or tried.error < best.error:
+            best = tried
+        error = np.abs(tried.found(problem.omega) - problem.g) * problem.part
         gain = np.sqrt(0.1 * error.max() + error)
         now = now * (gain / gain.mean())
-    for _ in range(8):  # dips narrower than the grid
-        exact, dips = least_damping(*_realise(best.found, best.found.coefficients), scale, omega.max() / 2)
+    return replace(best, before=before)
+
+
+def _exactly_passive(problem: _Problem, best: _Passive) -> _Passive:
+    """Return a fit without the dips of the damping that are narrower than the grid of `_passive`."""
+    check, planes, before = _check_grid(best.found.poles, problem.omega), None, best.before
+    for _ in range(8):
+        exact, dips = least_damping(*_realise(best.found), problem.scale, problem.omega.max() / 2)
         best = replace(best, before=before, after=exact)
         if exact > -PASSIVE or not dips:
             break
         check = np.union1d(check, dips)
-        best, planes = _passive_fit(basis, g, chosen, part, poles, space, check, scale, planes)
-    return replace(best, before=before)
+        best, planes = _passive_fit(problem, best.weight, best.found.poles, check, planes)
+    return best
 
 
-def _passive_fit(basis, g, weight, part, poles, space, check, scale, planes) -> tuple[_Passive, np.ndarray]:
+def _passive_fit(problem: _Problem, weight, poles, check, planes) -> tuple[_Passive, np.ndarray]:
     """Return the least-squares fit of G (n, c) that is passive on a check grid (w) [rad/s], and the planes that hold it."""
-    rows = (1j * check[:, None] * (partial_fractions(1j * check, poles) @ space)).real
-    free, roots = _least_squares(basis, g, weight)
-    z, planes, lowest = _cutting_planes(free, roots, rows, scale, planes)
-    error = float((np.abs(basis @ z - g) * part).max())
-    return _Passive(RationalFit(poles=poles, coefficients=space @ z), error, *lowest), planes
+    space = admissible(poles, "fast")
+    basis = columns(1j * problem.omega, poles, space, "fast")
+    rows = (1j * check[:, None] * columns(1j * check, poles, space, "fast")).real
+    free, roots = _least_squares(basis, problem.g, weight)
+    if planes is None:
+        planes = np.zeros((0, free.size))
+    z, planes, lowest = _cutting_planes(free, roots, rows, problem.scale, planes)
+    error = float((np.abs(basis @ z - problem.g) * problem.part).max())
+    return _Passive(rational(poles, space, z, "fast"), weight, error, *lowest), planes
 
 
 def _check_grid(poles, omega) -> np.ndarray:

@@ -19,13 +19,16 @@ LEAST_DAMPING = 0.01  # of the poles: what rings longer fits noise
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RationalFit:
-    """Common poles (k) [rad/s], one of each conjugate pair, and real coefficients (b, c) of their real basis for c responses."""
+    """Common poles (k) [rad/s], one of each conjugate pair, real coefficients (b, c) of their real basis for c responses, and what the
+    responses tend to at high frequency: constant (c), real.
+    """
 
     poles: np.ndarray
     coefficients: np.ndarray
+    constant: np.ndarray
 
     def __post_init__(self):
-        freeze(self, poles=("k",), coefficients=("b", "c"))
+        freeze(self, poles=("k",), coefficients=("b", "c"), constant=("c",))
 
     @property
     def order(self) -> int:
@@ -34,7 +37,7 @@ class RationalFit:
 
     def __call__(self, omega) -> np.ndarray:
         """Return the responses (n, c) at omega (n) [rad/s]."""
-        return partial_fractions(1j * np.asarray(omega, dtype=float), self.poles) @ self.coefficients
+        return partial_fractions(1j * np.asarray(omega, dtype=float), self.poles) @ self.coefficients + self.constant
 
 
 def partial_fractions(s, poles) -> np.ndarray:
@@ -68,35 +71,50 @@ def starting_poles(order: int, low: float, high: float, real: int) -> np.ndarray
     return np.concatenate([-np.geomspace(low / 5, 2 * low, real) + 0j, (-0.05 + 1j) * pairs])
 
 
-def admissible(poles: np.ndarray, order: str) -> np.ndarray:
-    """Return the space (b, f) of coefficients allowed: "proper" all, "fast" those whose responses fall as s^-2."""
+def admissible(poles: np.ndarray, kind: str) -> np.ndarray:
+    """Return the space (b, f) of coefficients allowed: "proper" all, "fast" those whose responses fall as s^-2 to a constant."""
     count = sum(1 if p.imag == 0 else 2 for p in poles)
-    if order == "proper":
+    if kind == "proper":
         return np.eye(count)
     return null_space(realisation(poles)[1][None])
 
 
-def fit_coefficients(omega, values, weight, poles, space) -> np.ndarray:
-    """Return coefficients (b, c) of least squares in a space (b, f) for values (n, c) complex.
+def columns(s, poles, space, kind: str) -> np.ndarray:
+    """Return the basis (n, f) of the responses of a kind at s (n) [rad/s]: with "fast", the constant comes last."""
+    basis = partial_fractions(s, poles) @ space
+    return basis if kind == "proper" else np.concatenate([basis, np.ones((len(basis), 1))], axis=1)
+
+
+def rational(poles, space, free, kind: str) -> RationalFit:
+    """Return the fit with coefficients `free` (f, c) of `columns`."""
+    if kind == "proper":
+        return RationalFit(poles=poles, coefficients=space @ free, constant=np.zeros(free.shape[1]))
+    return RationalFit(poles=poles, coefficients=space @ free[:-1], constant=free[-1])
+
+
+def fit_coefficients(omega, values, weight, poles, kind: str) -> RationalFit:
+    """Return the fit of least squares with given poles for values (n, c) complex.
 
     weight (2, n, c): of real and imaginary parts.
     """
-    basis = partial_fractions(1j * omega, poles) @ space
+    space = admissible(poles, kind)
+    basis = columns(1j * omega, poles, space, kind)
     out = []
     for k in range(values.shape[1]):
         left, right = _split(basis, weight[:, :, k]), _split(values[:, k : k + 1], weight[:, :, k])
         size = np.linalg.norm(left, axis=0)
-        out.append(space @ (np.linalg.lstsq(left / size, right[:, 0], rcond=None)[0] / size))
-    return np.stack(out, axis=1)
+        out.append(np.linalg.lstsq(left / size, right[:, 0], rcond=None)[0] / size)
+    return rational(poles, space, np.stack(out, axis=1), kind)
 
 
-def relocate(omega, values, weight, poles, order: str) -> np.ndarray:
+def relocate(omega, values, weight, poles, kind: str) -> np.ndarray:
     """Return better poles: the zeros of the common denominator that relaxed vector fitting finds, mirrored into stability."""
-    basis, space = partial_fractions(1j * omega, poles), admissible(poles, order)
+    basis, space = partial_fractions(1j * omega, poles), admissible(poles, kind)
     wide = np.concatenate([basis, np.ones((len(omega), 1))], axis=1)
+    numerator = columns(1j * omega, poles, space, kind)
     rows, energy = [], 0.0
     for k in range(values.shape[1]):
-        left = _split(basis @ space, weight[:, :, k])
+        left = _split(numerator, weight[:, :, k])
         right = _split(-values[:, k : k + 1] * wide, weight[:, :, k])
         energy += np.sum(_split(values[:, k : k + 1], weight[:, :, k]) ** 2)
         triangle = np.linalg.qr(np.concatenate([left / np.linalg.norm(left, axis=0), right], axis=1), mode="r")
@@ -121,7 +139,7 @@ def stable(values) -> np.ndarray:
 
 
 def fit(
-    omega, values, weight, poles, *, order: str = "proper", rounds: int = 6, iterations: int = 6, part=None
+    omega, values, weight, poles, *, kind: str = "proper", rounds: int = 6, iterations: int = 6, part=None
 ) -> tuple[RationalFit, float]:
     """Return the fit with the smallest largest error, and that error (weighted).
 
@@ -131,7 +149,7 @@ def fit(
     values : (n, c) complex responses
     weight : (2, n, c) of real and imaginary parts for the least squares
     poles : to start from (`starting_poles`)
-    order : "proper", or "fast" for responses that fall as s^-2
+    kind : "proper", or "fast" for responses that fall as s^-2 to a constant
     rounds : of reweighting, each with `iterations` of pole relocation; points with large errors gain weight, so
         that the largest error falls
     part : (n, c) weight of the error's modulus that is judged; None takes the larger of `weight`
@@ -140,10 +158,8 @@ def fit(
     now, best = weight.copy(), None
     for _ in range(rounds):
         for _ in range(iterations):
-            poles = relocate(omega, values, now, poles, order)
-        found = RationalFit(
-            poles=poles, coefficients=fit_coefficients(omega, values, now, poles, admissible(poles, order))
-        )
+            poles = relocate(omega, values, now, poles, kind)
+        found = fit_coefficients(omega, values, now, poles, kind)
         error = np.abs(found(omega) - values) * judge
         if best is None or error.max() < best[1]:
             best = found, float(error.max())

@@ -248,7 +248,8 @@ class _Dynamics:
         q, here = len(system.dofs), system.platform
         rows = [PLATFORM_DOFS.index(d) for d in system.dofs if d in PLATFORM_DOFS]
         mass, damping = system.mass.copy(), system.damping.copy()
-        mass[np.ix_(here, here)] += infinite_added_mass(system.hydro)[np.ix_(rows, rows)]
+        infinite = infinite_added_mass(system.hydro) + radiation.added_mass_change
+        mass[np.ix_(here, here)] += infinite[np.ix_(rows, rows)]
         damping[np.ix_(here, here)] += np.asarray(drag_damping)[np.ix_(rows, rows)]
         live = np.flatnonzero(_reachable(radiation.a, np.any(radiation.b[:, rows] != 0, axis=1)))
         r, e = len(live), 0 if excitation is None else len(excitation.a)

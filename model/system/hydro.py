@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from itertools import pairwise
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from model.conventions import freeze, move_force, move_matrix, weight_stiffness
 from model.system.morison import InertiaElements, added_mass_of, wave_force_on
@@ -167,6 +169,38 @@ def excitation_at(hydro: HydroCoefficients, omega, heading, *, low_frequency: st
     return potential + wave_force_on(
         hydro.members, omega, heading, density=hydro.density, gravity=hydro.gravity, depth=hydro.depth, reference=hydro.reference_point
     )  # fmt: skip
+
+
+def refined(hydro: HydroCoefficients, step: float = 0.0125) -> HydroCoefficients:
+    """Return the same coefficients with more frequencies between the data's, at most `step` [rad/s] apart, on cubic splines.
+
+    Coefficients turn over a few hundredths of a rad/s where columns interfere; a straight line between coarse data cuts the
+    corners. What a spline makes negative in the damping matrix is cut, so that no motion gains energy.
+    """
+    omega = hydro.omega
+    if len(omega) < 4 or np.diff(omega).max() <= step:
+        return hydro
+    pieces = [np.linspace(a, b, 1 + int(np.ceil((b - a) / step - 1e-9))) for a, b in pairwise(omega)]
+    fine = np.unique(np.concatenate(pieces))
+    between = ~np.isin(fine, omega)
+
+    def spline(values, axis: int = 0):
+        return CubicSpline(omega, values, axis=axis)(fine)
+
+    damping = spline(hydro.radiation_damping)
+    damping[between] = _without_gain(damping[between], np.abs(np.einsum("nii->ni", hydro.radiation_damping)).max(axis=0))
+    return replace(
+        hydro, omega=fine, added_mass=spline(hydro.added_mass), radiation_damping=damping,
+        excitation=None if hydro.excitation is None else spline(hydro.excitation, axis=1),
+    )  # fmt: skip
+
+
+def _without_gain(damping: np.ndarray, peak: np.ndarray) -> np.ndarray:
+    """Return damping matrices (n, 6, 6) without the negative part of their symmetric part, motions scaled by the root of peak (6)."""
+    scale = np.sqrt(np.where(peak > 0, peak, 1.0))
+    whole = np.outer(scale, scale)
+    values, vectors = np.linalg.eigh((damping + np.swapaxes(damping, 1, 2)) / 2 / whole)
+    return damping - (vectors * np.minimum(values, 0.0)[:, None, :]) @ np.swapaxes(vectors, 1, 2) * whole
 
 
 def headings_cover(hydro: HydroCoefficients, heading) -> np.ndarray:

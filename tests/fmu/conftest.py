@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from fmu_samples import make, oscillator
 
-from fowtio.fmu.build import compile_library, export_fmu, write_fmu
+import fowtio
+from fowtio.fmu.build import compile_library, write_fmu
 from fowtio.fmu.sources import write_sources
 
 pytest.importorskip("fmpy")
@@ -41,4 +42,4 @@ def spring_library(tmp_path_factory):
 @pytest.fixture(scope="session")
 def parked(oc4, tmp_path_factory):
     """The embedded case, parked in its white-noise sea, as FMUs of both versions with all inputs."""
-    return export_fmu(oc4, tmp_path_factory.mktemp("oc4") / "oc4.fmu", state="white_noise", versions=("2.0", "3.0"))
+    return fowtio.export_fmu(oc4, tmp_path_factory.mktemp("oc4") / "oc4.fmu", state="white_noise", versions=("2.0", "3.0"))

@@ -2,12 +2,16 @@
 
 import ctypes
 import math
+import os
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 from fmu_samples import make, oscillator
+
+from fowtio.fmu.build import compile_library, find_compiler
+from fowtio.fmu.sources import write_sources
 
 DRIVER = Path(__file__).with_name("driver.c")
 SANITIZERS = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
@@ -63,6 +67,21 @@ def test_bad_use_under_valgrind(spring_library):
         text=True,
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("wine") is None or shutil.which("x86_64-w64-mingw32-gcc") is None, reason="no wine, or no cross-compiler")
+def test_bad_use_of_the_library_for_windows(tmp_path):
+    """The driver against the DLL, as Windows loads it."""
+    write_sources(make(oscillator(), "Spring"), "2.0", tmp_path / "fmu")
+    library, program = tmp_path / "Spring.dll", tmp_path / "driver.exe"
+    compile_library(tmp_path / "fmu" / "sources", library, find_compiler("win64"), "win64")
+    command = ["x86_64-w64-mingw32-gcc", "-std=c99", *_names(), "-o", str(program), str(DRIVER), str(library)]
+    subprocess.run(command, check=True, capture_output=True)
+    own = os.environ | {"WINEPREFIX": str(tmp_path / "prefix"), "WINEDEBUG": "-all"}
+    done = subprocess.run(["wine", str(program)], capture_output=True, text=True, cwd=tmp_path, env=own)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "refusals told" in done.stdout
 
 
 def test_warnings_are_errors_at_every_optimisation(spring_library):

@@ -1,5 +1,7 @@
 """Co-simulation with other FMUs: FMPy's container, the Open Simulation Platform, and a second FMU that damps the first."""
 
+from copy import copy
+
 import numpy as np
 import pytest
 from fmu_samples import MASS, OMEGA, ZETA, absorber, make, oscillator
@@ -33,12 +35,13 @@ def _together(t, position):
     return (vectors[0] * share * np.exp(np.outer(t, values))).sum(axis=1).real
 
 
-def test_a_tuned_mass_in_a_container(pairs, tmp_path):
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_a_tuned_mass_in_a_container(pairs, tmp_path, version):
     """FMPy's container couples both, values exchanged at every step: the coupled equations, to first order in the step."""
     pytest.importorskip("fmpy.container_fmu")
     from fmpy import simulate_fmu
 
-    path = _container(pairs["3.0"], tmp_path)  # FMPy connects the types of FMI 3 only
+    path = _container(pairs[version], tmp_path, version)
     start = {"SpringStart": 1.0, "AbsorberStart": 2.0}  # the position has a mean of 2 m, where the tuned mass rests too
     found = simulate_fmu(str(path), stop_time=STOP, step_size=STEP, output_interval=STEP, start_values=start)
     known = _together(found["time"], 1.0)
@@ -83,7 +86,7 @@ def _references(path) -> dict[str, int]:
     return {v.name: v.valueReference for v in read_model_description(str(path)).modelVariables}
 
 
-def _container(pair, folder):
+def _container(pair, folder, version):
     """Write a container FMU of both: the spring's motion to the tuned mass, its force back; one output, two start values."""
     from fmpy import read_model_description
     from fmpy.container_fmu.cli import create_container_fmu
@@ -95,11 +98,17 @@ def _container(pair, folder):
     def variable(component, name):
         return next(v for v in component.modelDescription.modelVariables if v.name == name)
 
+    def connector(component, name):
+        # FMPy 0.3.32 writes the type of a connection as it is in the component, and its container knows those of FMI 3 only
+        typed = copy(variable(component, name))
+        typed.type = "Float64"
+        return typed
+
     def own(name, causality, variability, initial, start=None):
         return ModelVariable(
             name=name,
             valueReference=0,
-            type="Float64",
+            type="Real" if version == "2.0" else "Float64",
             causality=causality,
             variability=variability,
             initial=initial,
@@ -110,7 +119,7 @@ def _container(pair, folder):
     time = own("time", "independent", "continuous", None)
     starts = [own(n, "parameter", "fixed", "exact", "0") for n in ("SpringStart", "AbsorberStart")]
     md = ModelDescription(
-        fmiVersion="3.0", modelName="Together", instantiationToken="{together}", coSimulation=CoSimulation(modelIdentifier="container_fmu"),
+        fmiVersion=version, modelName="Together", instantiationToken="{together}", coSimulation=CoSimulation(modelIdentifier="container_fmu"),
         defaultExperiment=DefaultExperiment(stepSize=str(STEP)), modelVariables=[time, position, *starts], outputs=[Unknown(variable=position)],
         initialUnknowns=[Unknown(variable=position)],
     )  # fmt: skip
@@ -127,7 +136,7 @@ def _container(pair, folder):
     }
     configuration = Configuration(
         parallelDoStep=False, modelDescription=md, components=[spring, mass],
-        connections=[Connection(a, [variable(a, x)], b, [variable(b, y)]) for a, x, b, y in links],
+        connections=[Connection(a, [connector(a, x)], b, [connector(b, y)]) for a, x, b, y in links],
         variableMappings={v: [(c, variable(c, n))] for v, (c, n) in zip([position, *starts], mappings.values(), strict=True)},
     )  # fmt: skip
     scratch, path = folder / "container", folder / "Together.fmu"

@@ -6,9 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from model.reduce.excitation import fit_excitation
-from model.reduce.radiation import fit_radiation, least_damping, retardation_transform
+from model.reduce.radiation import disagreement, fit_radiation, least_damping, retardation_transform
 from model.reduce.rational import fit, partial_fractions, realisation, starting_poles
 from model.reduce.state_space import StateSpace, modal_form, reduce_balanced, transfer
+from model.reduce.targets import Targets
 from model.system.hydro import HydroCoefficients
 
 POLES = np.array([-0.3 + 0j, -0.1 + 0.7j, -0.2 + 1.6j])
@@ -84,6 +85,7 @@ def test_radiation_of_a_known_kernel_is_found_again():
     added = low.imag / 1e-4
     # K / (i omega) goes to A(0) - A_inf; heave as an example, to the accuracy of the fit
     assert added[2, 2] == pytest.approx((hydro.added_mass_zero - hydro.added_mass_infinite)[2, 2], rel=0.01)
+    assert np.abs(np.diag(found.added_mass_change) / np.diag(hydro.added_mass_infinite)).max() < 2e-3  # the data agree with themselves
     assert (
         np.abs(low.real).max() < 1e-4 * np.abs(retardation_transform(hydro, hydro.omega)).max()
     )  # no damping at rest: K(0) = 0
@@ -109,14 +111,14 @@ def test_radiation_is_passive_where_the_data_are_not():
 def test_oc4_radiation(oc4, parked):
     """The fit of the embedded case: stable, passive, below one per cent of each significant pair's peak.
 
-    Heave alone stays above: its added mass zigzags by 1 % of the peak between 1.8 and 2.8 rad/s while its damping is zero there, which
-    no causal kernel can follow (no order up to 28 comes below 1.1 %).
+    Heave alone stays above: the added mass and the damping of the data disagree by 1.9 % of the peak (Kramers and Kronig), and a
+    kernel, which agrees with itself, cannot follow both.
     """
     radiation = parked.linearised.radiation
     assert np.linalg.eigvals(radiation.a).real.max() < 0
     assert radiation.least_damping[1] > -1e-5
     error = radiation.error.copy()
-    assert error[2, 2] < 0.014
+    assert error[2, 2] < disagreement(oc4.hydro)[2, 2] < 0.02
     error[2, 2] = np.nan
     assert np.nanmax(error) < 0.01
     omega = np.linspace(0.001, 6, 3000)
@@ -138,18 +140,21 @@ def test_negative_damping_between_grid_points_is_seen():
 
 
 def test_a_delayed_causal_force_is_found_again():
-    """An excitation that begins 6 s before the crest: causal after a shift of 6 s or more."""
-    omega = np.linspace(0.03, 3.0, 150)
+    """An excitation that begins 6 s before the crest: causal after the shift; the force itself is the response to be met."""
+    omega = np.linspace(0.03, 3.0, 200)
     s = 1j * omega
-    causal = 1e6 * 0.6 * s / (s**2 + 0.5 * s + 0.5)
-    force = np.zeros((150, 6), dtype=complex)
-    force[:, 0] = causal * np.exp(s * 6.0)
-    weight = np.zeros((150, 6))
-    weight[:, 0] = 1 / np.abs(force[:, 0]).max()
-    found = fit_excitation(omega, force, weight, np.ones(150, dtype=bool), shifts=(6.0, 8.0), orders=(12, 20, 36))
-    assert found.error[0] < 0.01
-    assert found.shift in (6.0, 8.0)
-    assert np.all(found.error[1:] == 0)
+    force = (1e6 * 0.6 * s / (s**2 + 0.5 * s + 0.5) * np.exp(s * 6.0))[:, None]
+    gain = np.zeros((200, 1, 6), dtype=complex)
+    gain[:, 0, 0] = 1.0
+    every = np.ones(200, dtype=bool)
+    wanted = Targets(omega=omega, gain=gain, share=1 / force, data=every, counts=np.ones(200))
+    own = np.zeros((200, 1, 1))
+    poles, found, shift, worst = fit_excitation(omega, force, every, wanted, own, np.array([0]), windows=((40.0, 10.0),))
+    assert shift == 10.0
+    assert poles.real.max() < 0
+    fitted = partial_fractions(1j * omega, poles) @ found[:, 0] * np.exp(s * shift)
+    assert np.abs(fitted / force[:, 0] - 1).max() == pytest.approx(worst, rel=1)  # worst counts a phase a little less
+    assert worst < 0.013  # the target: 40 s of memory hold all but e^-7 of a force that fades with 0.25 1/s
 
 
 @settings(max_examples=20, deadline=None)

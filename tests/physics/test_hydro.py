@@ -16,6 +16,7 @@ from model.system.hydro import (
     headings_cover,
     infinite_added_mass,
     radiation_at,
+    refined,
     transfer,
 )
 
@@ -101,6 +102,56 @@ def test_the_data_themselves_and_their_limits():
     # beyond the data the difference to the limit falls as omega^-2: (3 / 1e6)^2 is 1e-11 of elements of order 10
     np.testing.assert_allclose(added[1], h.added_mass_infinite, atol=1e-8)
     np.testing.assert_allclose(damping[1], 0.0, atol=1e-18)
+
+
+@given(seed=st.integers(0, 1000))
+@settings(max_examples=20, deadline=None)
+def test_refined_coefficients_are_the_data_and_give_no_energy(seed):
+    hydro = random_hydro(seed, n=9)
+    fine = refined(hydro)
+    at = np.searchsorted(fine.omega, hydro.omega)
+    for name in ("added_mass", "radiation_damping"):
+        assert np.allclose(getattr(fine, name)[at], getattr(hydro, name), rtol=1e-9, atol=1e-9)
+    assert np.allclose(fine.excitation[:, at], hydro.excitation, rtol=1e-9, atol=1e-9)
+    assert np.diff(fine.omega).max() <= 0.0125 * (1 + 1e-9)
+    values = np.linalg.eigvalsh((fine.radiation_damping + np.swapaxes(fine.radiation_damping, 1, 2)) / 2)
+    assert values.min() > -1e-9 * values.max()  # a spline between random data overshoots below zero; that is cut
+
+
+def test_refined_coefficients_follow_a_cubic():
+    """A spline through a cubic is that cubic."""
+    omega = np.array([0.1, 0.3, 0.6, 0.7, 1.2, 1.5])
+    shape = np.eye(6) * np.arange(1.0, 7.0)
+    hydro = random_hydro(
+        n=6, omega=omega, added_mass=(2 - omega**3)[:, None, None] * shape, radiation_damping=(omega + omega**3)[:, None, None] * shape
+    )  # fmt: skip
+    fine = refined(hydro)
+    w = fine.omega[:, None, None]
+    assert np.allclose(fine.added_mass, (2 - w**3) * shape, atol=1e-12)
+    assert np.allclose(fine.radiation_damping, (w + w**3) * shape, atol=1e-12)
+
+
+def test_a_spline_meets_left_out_data_better_than_straight_lines():
+    """Every second frequency of the OC4 data left out, below 1.5 rad/s, and found again between the others."""
+    hydro = read_wamit(OC4)
+    low = hydro.omega < 1.51
+    kept = np.flatnonzero(low)[::2]
+    out = np.flatnonzero(low)[1:-1:2]
+    forward = int(np.argmin(np.abs(hydro.heading)))
+    coarse = replace(
+        hydro, omega=hydro.omega[kept], added_mass=hydro.added_mass[kept], radiation_damping=hydro.radiation_damping[kept],
+        excitation=hydro.excitation[:, kept],
+    )  # fmt: skip
+    for k in (0, 2, 4):
+        error = []
+        for body in (coarse, refined(coarse)):
+            force = excitation_at(body, hydro.omega[out], 0.0)
+            added, damping = radiation_at(body, hydro.omega[out])
+            error.append([
+                np.abs(force - hydro.excitation[forward, out])[:, k].std(),
+                np.abs(added - hydro.added_mass[out])[:, k, k].std(), np.abs(damping - hydro.radiation_damping[out])[:, k, k].std(),
+            ])  # fmt: skip
+        assert np.all(np.array(error[1]) < 0.6 * np.array(error[0]))
 
 
 def test_beyond_the_data_the_stated_powers_of_frequency():
