@@ -204,7 +204,7 @@ def test_every_mode_satisfies_its_own_equation(oc4):
     assert sorted(m.names) == sorted(point.system.dofs)
     for w, z, shape in zip(m.frequency, m.damping_ratio, m.shape.T, strict=True):
         s = w * (-z + 1j * np.sqrt(1 - z**2))
-        added, radiated = (np.pad(x[0], ((0, 1), (0, 1))) for x in radiation_at(oc4.hydro, np.array([w])))
+        added, radiated = (np.pad(x[0], ((0, 1), (0, 1))) for x in radiation_at(point.system.hydro, np.array([w])))
         inertia, damping = s**2 * (point.system.mass + added), s * (point.system.damping + radiated)
         residual = (inertia + damping + point.mean.stiffness) @ shape
         size = np.abs(point.mean.stiffness) @ np.abs(shape)

@@ -91,7 +91,7 @@ def test_the_tower_base_carries_what_the_platform_needs(oc4, point):
     rest = np.einsum("nij,nj->ni", response.dynamic_stiffness - own, motions)
     from model.system.hydro import excitation_at
 
-    gap = rest[:, :6] - excitation_at(oc4.hydro, omega, np.array([0.6]))[0]
+    gap = rest[:, :6] - excitation_at(point.system.hydro, omega, np.array([0.6]))[0]
     weight = MASS * G
     shear = gap[:, 0] + weight * motions[:, 4]
     moment = gap[:, 4] - BASE * shear
