@@ -1,3 +1,4 @@
+# ruff: noqa: I001
 """The main job's speed on this machine: one evaluation, the whole run without figures, the help text."""
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ import tempfile
 import time
 from pathlib import Path
 
+import fowtio.cli  # noqa: F401  one thread of linear algebra, as the commands have; before numpy
 import numpy as np
 
 from fowtio.bench import time_case

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+# matrices here are small and many: threads of the linear algebra only stand in each other's way (set before numpy is imported)
+for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
 
 app = typer.Typer(
     name="fowtio", add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False,

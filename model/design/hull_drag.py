@@ -7,6 +7,7 @@ among many and the same design read from its deck have the same drag.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -90,6 +91,12 @@ def drag_members(hull: SemiHull, *, density: float = 1025.0, coefficients: dict 
     return hull_elements(hull, density=density, coefficients=coefficients)
 
 
+@cache
+def _gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return nodes and weights on [-1, 1]."""
+    return np.polynomial.legendre.leggauss(count)
+
+
 def _strips(member: HullMember, density: float):
     """Return position (N, k, 3), axis, factor (N, k), axial, diameter and length of one member's strips."""
     start, way = np.atleast_2d(member.start), np.atleast_2d(member.end - member.start)
@@ -97,7 +104,7 @@ def _strips(member: HullMember, density: float):
     count = np.where(full < 1.0, 1, np.ceil(full / STRIP_LENGTH).astype(int) + 1)
     along, weight = np.zeros((2, len(full), count.max()))
     for n in np.unique(count):
-        x, w = np.polynomial.legendre.leggauss(n)
+        x, w = _gauss(int(n))
         along[count == n, :n], weight[count == n, :n] = (x + 1) / 2, w / 2
     length = weight * full[:, None]
     diameter = np.broadcast_to(np.atleast_1d(member.diameter)[:, None], length.shape)

@@ -96,4 +96,5 @@ def _depth_profiles(k, z, depth):
         return decay * still, decay * still, decay
     up, down = np.exp(-2 * k * (z + depth)), np.exp(-2 * k * depth)
     sink = np.where(k > 0, -np.expm1(-2 * k * depth), np.inf)
-    return decay * (1 + up) / sink, decay * -np.expm1(-2 * k * (z + depth)) / sink, decay * (1 + up) / (1 + down)
+    both = decay * (1 + up)
+    return both / sink, decay * (1 - up) / sink, both / (1 + down)

@@ -245,16 +245,17 @@ def solve_equations(make: Callable[[], np.ndarray]) -> np.ndarray:
 
 def _eliminated(work: np.ndarray, p: int) -> np.ndarray | None:
     """Return the solutions (p, r, s, n) of equations (p, p + r, s, n), which are overwritten; None when a pivot was too small."""
-    first = work[0, p:].copy()
+    first, inverse = work[0, p:].copy(), np.empty((p, *work.shape[2:]), dtype=complex)
     with np.errstate(all="ignore"):
-        for k in range(p - 1):
-            factor = work[k + 1 :, k] / work[k, k]
+        for k in range(p):
+            inverse[k] = 1 / work[k, k]
+            factor = work[k + 1 :, k] * inverse[k]
             for i in range(p - 1 - k):
                 work[k + 1 + i, k + 1 :] -= factor[i] * work[k, k + 1 :]
         x = work[:, p:]
         for k in range(p - 1, -1, -1):
             for j in range(k + 1, p):
                 x[k] -= work[k, j] * x[j]
-            x[k] /= work[k, k]
+            x[k] *= inverse[k]
         residual = np.abs(sum(work[0, j] * x[j] for j in range(p)) - first).max(initial=0.0)
     return x if residual <= 1e-8 * np.abs(first).max(initial=1e-300) else None
