@@ -21,8 +21,8 @@ CHUNK = 50
 @dataclass(eq=False, kw_only=True)
 class Archive:
     """The evaluations of one stage: places (N, v) of designs in its space, their dimensions (N, 5) [m], quantities, violation and
-    reason; generations, rows of the archive that each generation's members are; path of the file, None to keep nothing; digest of
-    everything that results depend on.
+    reason; generations, rows of the archive that each generation's members are; visited, rows asked for in this run, whether they were
+    known from the file or not; path of the file, None to keep nothing; digest of everything that results depend on.
     """
 
     space: DesignSpace
@@ -38,6 +38,7 @@ class Archive:
     generations: list[np.ndarray] = field(default_factory=list)
     known: dict[bytes, int] = field(default_factory=dict)
     evaluated: int = 0
+    visited: set[int] = field(default_factory=set)
 
     def __post_init__(self):
         v, k = len(self.space.variables), len(self.names)
@@ -56,7 +57,9 @@ class Archive:
             designs = self.space.designs(at)
             self._add(at, designs, self.evaluate(designs))
             self.evaluated += len(new)
-        return np.array([self.known[k] for k in keys])
+        found = np.array([self.known[k] for k in keys])
+        self.visited.update(found.tolist())
+        return found
 
     def close_generation(self, rows) -> None:
         """Note the members of a generation and write the archive."""

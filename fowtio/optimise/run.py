@@ -132,7 +132,7 @@ def _result(stage, space, constraints, archive: Archive, study, done, progress, 
         if study.polish and stage.method != "grid":
             best = polish(archive, objective, found, lambda text: progress(f"stage {stage.name}: {text}"))
     else:
-        front = pareto_front(archive, stage.objectives)
+        front = pareto_front(archive, stage.objectives, sorted(archive.visited))  # a history may hold more: what came after
         if study.polish:
             front = polish_front(archive, stage.objectives, front, lambda text: progress(f"stage {stage.name}: {text}"))
         picks = _picks(stage, archive, front, done)

@@ -217,6 +217,18 @@ def test_a_stopped_run_goes_on_to_the_same_result(run_once, tuscany, tmp_path, m
             assert stage.archive.values[stage.best] == pytest.approx(other.archive.values[other.best], rel=0, abs=0, nan_ok=True)
 
 
+def test_a_finished_run_repeats_itself(tuscany, tmp_path):
+    """The history then holds the neighbours of the front too, which the search itself has not seen: they must not change its picks."""
+    study = replace(small(tuscany), polish=True)
+    first = optimise(study, tmp_path, stages=["pareto"])
+    again = optimise(study, tmp_path, stages=["pareto"])
+    for name, stage in first.stages.items():
+        other = again.stages[name]
+        assert other.archive.evaluated == 0
+        assert (stage.archive.designs[stage.front] == other.archive.designs[other.front]).all()
+        assert (stage.archive.designs[stage.picks] == other.archive.designs[other.picks]).all()
+
+
 def test_a_history_of_another_study_is_refused(run_once, tuscany):
     folder, _ = run_once
     other = small(tuscany, years=20.0)
