@@ -21,6 +21,7 @@ from model.design.hull import (
     three_line_mooring,
 )
 from model.design.hull_drag import DRAG, drag_members, wetted_members
+from model.design.population import LineType, stiff_as
 from model.response.assemble import System, assemble
 from model.system.contributions import hydrostatic_contribution, platform_contribution, turbine_contribution
 from model.system.hydro import HydroCoefficients
@@ -114,26 +115,13 @@ def semi_system(
 
 def length_for_stiffness(design: SemiDesign, stiffness: float) -> SemiDesign:
     """Return the design with the line length at which the surge stiffness at rest [N/m] is the one given (shorter is stiffer)."""
-    from scipy.optimize import brentq
-
-    lead = (
-        float(design.hull.radius + design.hull.plate_diameter / 2),
-        float(design.depth - design.hull.draft + design.hull.plate_height),
-    )
-    straight = np.hypot(design.anchor_radius - lead[0], lead[1])
-
-    def miss(length):
-        return float(mooring_state(replace(design, length=length).mooring(), np.zeros(6)).stiffness[0, 0]) - stiffness
-
-    longest = (design.anchor_radius - lead[0] + lead[1]) * 0.995
-    lengths = np.linspace(straight * 1.003, longest, 60)
-    values = [miss(x) for x in lengths]
-    for a, b, va, vb in zip(lengths[:-1], lengths[1:], values[:-1], values[1:], strict=True):
-        if va >= 0 > vb:
-            return replace(design, length=float(brentq(miss, a, b)))
-    raise ModelError(
-        f"no line length gives a surge stiffness of {stiffness:g} N/m at an anchor radius of {design.anchor_radius:g} m"
-    )
+    line = LineType(**(design.line or CHAIN))
+    length = float(stiff_as(design.hull, design.anchor_radius, stiffness, line=line, depth=design.depth, gravity=GRAVITY))
+    if np.isnan(length):
+        raise ModelError(
+            f"no line length gives a surge stiffness of {stiffness:g} N/m at an anchor radius of {design.anchor_radius:g} m"
+        )
+    return replace(design, length=length)
 
 
 def design_deck(

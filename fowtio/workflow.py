@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fowtio.case import ALL_DOFS, EXTREME, Case, LinearisationEntry, StateEntry
+from fowtio.case import ALL_DOFS, EXTREME, Case, LinearisationEntry, Options, StateEntry
 from fowtio.errors import CaseError, FormatError, ModelError, Problem
 from fowtio.read.hydrodyn import drag_members
 from fowtio.read.openfast_deck import Deck, deck_hydro, read_deck
@@ -208,13 +208,13 @@ def state_excitation(model: Model, state: StateEntry, omega=None) -> Excitation:
 
 def state_wind(model: Model, state: StateEntry) -> WindState | None:
     """Return the turbulent wind of a state, None when it is calm or steady."""
-    return _wind(model.case, model.deck, state)
+    return turbulent_wind(state, model.deck.elastodyn.structure, model.case.options)
 
 
-def _wind(case: Case, deck: Deck, state: StateEntry) -> WindState | None:
+def turbulent_wind(state: StateEntry, structure: TurbineStructure, options: Options) -> WindState | None:
+    """Return the turbulent wind of a state at a turbine's rotor, None when it is calm or steady."""
     if state.wind_speed == 0 or state.turbulence is None:
         return None
-    structure, options = deck.elastodyn.structure, case.options
     if isinstance(state.turbulence, str):
         model_of = "ETM" if state.turbulence.startswith(EXTREME) else "NTM"
         kind = {"turbulence_class": state.turbulence.removeprefix(EXTREME), "turbulence_model": model_of, "wind_class": options.wind_class.upper()}
@@ -228,7 +228,7 @@ def _wind(case: Case, deck: Deck, state: StateEntry) -> WindState | None:
 
 def _gusty(case: Case, deck: Deck, turbine: TurbineMatrices, states: Sequence[StateEntry], speed: float) -> tuple[TurbineMatrices, list[str]]:
     """Return the turbine with its thrust in the turbulence of the states at a wind speed (their root mean square), and a note."""
-    winds = [_wind(case, deck, s) for s in states if abs(s.wind_speed - speed) < SAME_SPEED]
+    winds = [turbulent_wind(s, deck.elastodyn.structure, case.options) for s in states if abs(s.wind_speed - speed) < SAME_SPEED]
     found = [standard_deviation(w) for w in winds if w is not None]
     if not found:
         return turbine, []

@@ -30,8 +30,7 @@ class Redraw(Mutation):
 
     def _do(self, problem, X, *args, random_state=None, **kwargs):
         x = X.astype(int)
-        change = random_state.random(x.shape) < self.chance
-        change[np.arange(len(x)), random_state.integers(x.shape[1], size=len(x))] = True
+        change = chosen(x.shape, self.chance, random_state)
         bounds = zip(problem.xl.astype(int), problem.xu.astype(int), strict=True)
         drawn = np.stack([random_state.integers(low, high + 1, size=len(x)) for low, high in bounds], axis=1)
         return np.where(change, drawn, x)
@@ -46,8 +45,7 @@ class Step(Mutation):
 
     def _do(self, problem, X, *args, random_state=None, **kwargs):
         x = X.astype(int)
-        change = random_state.random(x.shape) < 0.5
-        change[np.arange(len(x)), random_state.integers(x.shape[1], size=len(x))] = True
+        change = chosen(x.shape, 0.5, random_state)
         step = np.round(random_state.normal(size=x.shape) * self.part * (problem.xu - problem.xl))
         return np.where(change, np.clip(x + step, problem.xl, problem.xu).astype(int), x)
 
@@ -85,6 +83,13 @@ class Generational(GeneticAlgorithm):
     def _advance(self, infills=None, **kwargs):
         order = np.lexsort((self.pop.get("F")[:, 0], self.pop.get("CV")[:, 0]))
         self.pop = Population.merge(self.pop[order[: self.elite]], infills)
+
+
+def chosen(shape: tuple[int, int], chance: float, random_state) -> np.ndarray:
+    """Return which variables of which children (N, v) change: each with a chance, one of every child at the least."""
+    out = random_state.random(shape) < chance
+    out[np.arange(shape[0]), random_state.integers(shape[1], size=shape[0])] = True
+    return out
 
 
 def fittest(pop, groups, **_) -> np.ndarray:

@@ -6,14 +6,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fowtio.case import StateEntry
+from fowtio.case import Options, StateEntry
 from fowtio.database import read_database
 from fowtio.errors import ModelError
 from fowtio.fatigue_study import equal_tube
+from fowtio.hull_references import OC4_SURGE_STIFFNESS
 from fowtio.hull_turbine import carried, reference_folder, ten_megawatt, ten_megawatt_structure
 from fowtio.optimise.study import OptimisationStudy
 from fowtio.read.hydro_any import read_hydro
-from fowtio.workflow import with_gradients
+from fowtio.workflow import turbulent_wind, with_gradients
 from model.design.cost import STEEL_DENSITY
 from model.design.evaluate import Batch, CostRules, DesignState, FatigueRules, Setting, make_batch
 from model.design.hull import OC4, SemiHull, upscaled
@@ -21,7 +22,6 @@ from model.design.population import Carried, LineType, populate, stiff_as, strai
 from model.design.space import DIMENSIONS, DesignSpace
 from model.environment.rotor_wind import rotor_spectra
 from model.environment.sea import wave_spectrum
-from model.environment.wind import WindState
 from model.response.endurance import sn_curve, thickness_factor, weld_concentration
 from model.response.fatigue import TubeSection
 from model.system.hydro import HydroCoefficients, excitation_at, radiation_at
@@ -76,9 +76,8 @@ def design_state(entry: StateEntry, structure: TurbineStructure, omega, share: f
     gusts, gradients = np.zeros((2, len(omega)))
     if entry.wind_speed > 0:
         turbine, rotor = with_gradients(turbine, structure, entry.wind_speed)
-        if entry.turbulence is not None:
-            kind = {"turbulence_class": entry.turbulence} if isinstance(entry.turbulence, str) else {"turbulence_intensity": entry.turbulence}
-            wind = WindState(mean_speed=entry.wind_speed, hub_height=structure.hub_height, rotor_diameter=structure.rotor.diameter, **kind)
+        wind = turbulent_wind(entry, structure, Options())
+        if wind is not None:
             gusts, gradients = rotor_spectra(wind, rotor, omega)
     return DesignState(
         name=entry.name, turbine=turbine, wave_spectrum=wave_spectrum(entry.sea, omega), wind_spectrum=gusts, gradient_spectrum=gradients,
@@ -111,7 +110,7 @@ def reference_of(study: OptimisationStudy, setting: Setting) -> Reference:
     one = SemiHull(**{k: np.atleast_1d(v) for k, v in vars(hull).items()})
     anchor, length = study.reference
     if length is None:
-        length = float(stiff_as(one, anchor, 70.8e3, line=setting.line, depth=setting.depth)[0])
+        length = float(stiff_as(one, anchor, OC4_SURGE_STIFFNESS, line=setting.line, depth=setting.depth)[0])
     if not length > straight_distance(one, np.array([anchor]), setting.depth)[0]:
         raise ModelError(f"{study.path}: lines of {length:g} m do not reach the reference from an anchor radius of {anchor:g} m")
     population = populate(

@@ -291,6 +291,13 @@ def test_no_feasible_design_says_what_it_fails_at(tuscany):
         optimise(replace(small(tuscany), stages=(stage,), constraints=(never,)))
 
 
+def test_extreme_turbulence_of_a_state_is_that_of_a_study(tmp_path):
+    """The same words as in a study: an extreme class is stronger than the normal one at the same speed."""
+    study = load_optimisation(written(tmp_path, lambda t: t.replace("rated   11.0       B    ", "rated   11.0       ETM-B", 1)))
+    extreme, normal = (setting_of(replace(s, bands=FEW)).state("rated") for s in (study, load_optimisation("tuscany")))
+    assert (extreme.wind_spectrum > normal.wind_spectrum).all()
+
+
 def test_a_line_that_is_not_varied_keeps_the_stiffness_of_the_reference():
     study = replace(load_optimisation("rao_peaks"), bands=FEW)
     setting = setting_of(study)
