@@ -91,12 +91,12 @@ def solve_frequency(body: BemBody, omega: float, settings: BemSettings, solver=N
     """Return what one frequency [rad/s] gives, e^{+i omega t}: added_mass (6, 6) and pressure_damping (6, 6) from the pressure
     on the hull, excitation (m, 6) and circle (b, 6), the excitation at the headings that `far_field` takes.
 
-    Frequencies 0 (in deep water only) and inf give the added mass alone. Where k h > DEEP the water counts as deep
+    Frequencies 0 and inf are solved in deep water and give the added mass alone. Where k h > DEEP the water counts as deep
     (tanh k h = 1 to 1e-4): the Green function is then quicker and the same to four digits.
     """
     cpt = load_capytaine()
     solver, floating = solver or cpt.BEMSolver(method=settings.method), body.floating
-    depth = settings.depth if np.isinf(omega) else _felt_depth(omega, settings)
+    depth = _felt_depth(omega, settings)
     common = {"body": floating, "omega": omega, "water_depth": depth, "rho": settings.density, "g": settings.gravity}
     if omega == 0 or np.isinf(omega):
         results = [solver.solve(cpt.RadiationProblem(radiating_dof=d, **common), keep_details=False) for d in DOFS]
@@ -126,7 +126,7 @@ def far_field(circle: np.ndarray, symmetry: str, omega: float, settings: BemSett
 
 
 def _felt_depth(omega: float, settings: BemSettings) -> float:
-    """Return the depth that a frequency is solved in."""
+    """Return the depth that a frequency is solved in; Capytaine's Green function of finite depth errs at infinite frequency."""
     felt = 0 < omega < np.sqrt(DEEP * settings.gravity / settings.depth)
     return settings.depth if felt else np.inf
 

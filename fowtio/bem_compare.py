@@ -57,9 +57,9 @@ def _entry(name, omega, a, b, matrices, place, of) -> list[Difference]:
 
 
 def _nothing(values, matrices, place) -> bool:
-    """Whether an entry is zero beside the diagonal ones of its motions."""
-    i, j = place
-    scale = np.sqrt(np.abs(matrices[:, i, i]).max() * np.abs(matrices[:, j, j]).max())
+    """Whether an entry is zero beside the largest diagonal ones of its kinds of motion (translations, rotations)."""
+    kinds = [slice(0, 3) if k < 3 else slice(3, 6) for k in place]
+    scale = np.sqrt(np.prod([np.abs(np.diagonal(matrices, axis1=-2, axis2=-1)[..., kind]).max() for kind in kinds]))
     return bool(np.abs(values).max() <= NOTHING * scale)
 
 

@@ -28,6 +28,7 @@ def bem_rows(hull: HullFile, hydro: HydroCoefficients, quality: dict, files) -> 
         ("asymmetry of A", f"{100 * quality['asymmetry']:.2f} % of its largest element, coarse mesh"),
         ("zero frequency", "deep water; surge A(0) differs from the lowest frequency by "
          f"{100 * quality['zero_frequency_gap'][0]:.2f} %, heave by {100 * quality['zero_frequency_gap'][2]:.2f} %"),
+        ("infinite frequency", f"deep water; the bottom would change heave by about {100 * quality['bottom_at_infinite_frequency']:.2g} %"),
         ("damping", "from the excitation (Haskind); from the pressure on the hull it differs by "
          + ", ".join(f"{100 * quality['pressure_damping_gap'][k]:.1f} % in B{k + 1}{k + 1}" for k in (0, 2, 4)) + " of the peak"),
     ]  # fmt: skip

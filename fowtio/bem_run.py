@@ -27,7 +27,8 @@ BEM_DEFAULTS = {
     "headings": [0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0], "panel_size": 4.0, "around": 16, "method": "direct", "lid": True,
     "braces": True,
 }  # fmt: skip
-SOLUTION = 2  # the form of what is kept of a frequency
+SOLUTION = 3  # the form of what is kept of a frequency
+SUNK_DECK = 0.05
 SHAPES = {
     "semi": ("diameter", "radius", "draft"), "spar": ("profile",), "barge": ("length", "width", "draft"), "tlp": ("diameter", "draft"),
     "mesh": ("file",),
@@ -76,8 +77,8 @@ def read_hull(path: str | Path) -> HullFile:
     return HullFile(path=path, title=title, kind=kind, shape=data, bem=BEM_DEFAULTS | bem)
 
 
-def hull_meshes(hull: HullFile) -> list[HullMesh]:
-    """Return the coarse and the fine mesh of a hull (a mesh file gives one mesh only)."""
+def hull_meshes(hull: HullFile, omega: float = 1.0) -> list[HullMesh]:
+    """Return the coarse and the fine mesh of a hull at a frequency [rad/s] (a mesh file gives one mesh only)."""
     if hull.kind == "mesh":
         return [file_mesh(hull.path.parent / hull.shape["file"], hull.shape.get("scale", 1.0))]
     size, around = hull.bem["panel_size"], hull.bem["around"]
@@ -94,20 +95,24 @@ def hull_meshes(hull: HullFile) -> list[HullMesh]:
     if hull.kind == "spar":
         return [spar_mesh(hull.shape["profile"], size=size, around=around, refine=k) for k in (1, 2)]
     if hull.kind == "barge":
-        s = hull.shape
-        return [
-            barge_mesh(
-                s["length"],
-                s["width"],
-                s["draft"],
-                moonpool=s.get("moonpool", 0.0),
-                cap=s.get("moonpool_cap"),
-                size=size,
-                refine=k,
-            )
-            for k in (1, 2)
-        ]
+        shape = {name: hull.shape[name] for name in ("length", "width", "draft")}
+        deck = {"moonpool": hull.shape.get("moonpool", 0.0), "cap": _deck_depth(hull, omega)}
+        return [barge_mesh(**shape, **deck, size=size, refine=k) for k in (1, 2)]
     return [tlp_mesh(**hull.shape, size=size, around=around, refine=k) for k in (1, 2)]
+
+
+def _deck_depth(hull: HullFile, omega: float) -> float | None:
+    """Return how far below still water a deck closes the moonpool [m], None without one.
+
+    At infinite frequency the Green function vanishes at still water: a deck there is solved SUNK_DECK below.
+    """
+    cap = hull.shape.get("moonpool_cap")
+    if cap and cap < hull.bem["panel_size"] / 4:
+        raise ModelError(
+            f"moonpool_cap is {cap:g} m: panels of {hull.bem['panel_size']:g} m do not resolve so little water above the deck; "
+            "give 0, a deck at still water, or a deck deeper than a quarter of panel_size"
+        )
+    return SUNK_DECK if cap == 0 and np.isinf(omega) else cap
 
 
 def file_mesh(path: Path, scale: float = 1.0) -> HullMesh:
@@ -184,7 +189,7 @@ def solve_one(hull: HullFile, omega: float, folder: str) -> Path:
     if path.exists():
         return path
     settings, out = bem_settings(hull), {}
-    for k, mesh in enumerate(hull_meshes(hull)):
+    for k, mesh in enumerate(hull_meshes(hull, omega)):
         found = solve_frequency(capytaine_body(mesh, lid=settings.lid), omega, settings)
         out |= {f"{name}_{k}": value for name, value in found.items()}
     part = path.with_suffix(f".{os.getpid()}.tmp")
@@ -260,6 +265,7 @@ def gather(hull: HullFile, solved: Path) -> tuple[HydroCoefficients, dict]:
         "asymmetry": float(max(r["asymmetry_0"] for r in rows)),
         "pressure_damping_gap": _gap(damping, pressure[1:-1]),
         "zero_frequency_gap": [float(abs(added[0, k, k] / added[1, k, k] - 1)) for k in range(6)],
+        "bottom_at_infinite_frequency": _bottom_share(added[-1, 2, 2] / settings.density, size, settings.depth),
     }
     if len(meshes) == 2:
         quality["mesh_change"] = {
@@ -269,6 +275,14 @@ def gather(hull: HullFile, solved: Path) -> tuple[HydroCoefficients, dict]:
             for k in range(6)
         }
     return hydro, quality
+
+
+def _bottom_share(added: float, size: float, depth: float) -> float:
+    """Return the share by which a bottom would change the heave added mass of infinite frequency, solved in deep water.
+
+    added mass over density and volume [m3]; hull and image above still water are a dipole, its images below the bottom lie 2 depth away.
+    """
+    return float((added + size) ** 2 / (4 * np.pi * depth**3 * added))
 
 
 def _gap(damping: np.ndarray, pressure: np.ndarray) -> list[float]:

@@ -36,7 +36,7 @@ def semi_mesh(
         revolved(column, size, around, refine=refine, centre=centre, sector=HALF),
         revolved(middle, inner, inner_around, refine=refine, sector=SIXTH),
     ]
-    parts += [_brace(*m, refine) for m in members]
+    parts += [_brace(*m, refine, *_brace_panels(size, around)) for m in members]
     lid = [
         lid_disc(r, rings, around, refine=refine, centre=centre, sector=HALF),
         lid_disc(central_diameter / 2, 1, inner_around, refine=refine, sector=SIXTH),
@@ -69,12 +69,12 @@ def barge_mesh(
 ) -> HullMesh:
     """Return the mesh of a box barge [m] with a square moonpool (side, 0 is none), closed `cap` [m] below still water when given.
 
-    Two planes of symmetry.
+    Two planes of symmetry. A deck under little water needs panels as small as the water is thin; one at still water (0) needs none.
     """
     shape = (length / 2, width / 2)
     return HullMesh(
         part=box(*shape, draft, size, refine=refine, moonpool=moonpool, cap=cap),
-        lid=box_lid(*shape, size, refine=refine, moonpool=moonpool if cap is None else 0.0), symmetry="xz yz",
+        lid=box_lid(*shape, size, refine=refine, moonpool=0.0 if cap else moonpool), symmetry="xz yz",
     )  # fmt: skip
 
 
@@ -99,7 +99,12 @@ def semi_braces(hull: SemiHull) -> list[tuple]:
     return out
 
 
-def _brace(start, end, radius, side, first, last, refine: int) -> np.ndarray:
+def _brace_panels(size, around: int) -> tuple[float, int]:
+    """Return the length of a slender member's panels [m] and their number on its circle, finer with the hull's."""
+    return (min(3.0, 0.6 * size) if np.isscalar(size) else 3.0), 2 * max(3, round(3 * around / 16))
+
+
+def _brace(start, end, radius, side, first, last, refine: int, size: float, around: int) -> np.ndarray:
     """Return the panels of one pontoon or brace between two surfaces."""
     length = np.linalg.norm(end - start)
 
@@ -107,8 +112,8 @@ def _brace(start, end, radius, side, first, last, refine: int) -> np.ndarray:
         reach = [_reach(lines, direction, surface, nominal) for surface, nominal in ((first, 0.0), (last, length))]
         return np.stack(reach, axis=1)
 
-    along = refine * max(2, round(length / 3.0))
-    return tube(start, end, radius, along, 6 * refine, side=side, trim=trim)
+    along = refine * max(2, round(length / size))
+    return tube(start, end, radius, along, around * refine, side=side, trim=trim)
 
 
 def _reach(lines, direction, surface, nominal: float) -> np.ndarray:
@@ -140,20 +145,20 @@ def tlp_mesh(
         raise ValueError(f"pontoons is {pontoons}; the mesh has two planes of symmetry and takes 4")
     r, h = pontoon_diameter / 2, -(draft - pontoon_diameter / 2 if pontoon_depth is None else pontoon_depth)
     wall, half = ("wall", np.zeros(2), diameter / 2), (-np.pi / 2, np.pi / 2)
-    parts = [column.part]
+    parts, panels = [column.part], _brace_panels(size, around)
     for direction, side in (((1.0, 0.0, 0.0), (np.pi / 2, 3 * np.pi / 2)), ((0.0, 1.0, 0.0), half)):
         d = np.array(direction)
         start, end = d * diameter / 2 + [0, 0, h], d * (diameter / 2 + pontoon_length) + [0, 0, h]
-        parts.append(_brace(start, end, r, side, wall, None, refine))
-        parts.append(_cap(end, d, r, side, refine))
+        parts.append(_brace(start, end, r, side, wall, None, refine, *panels))
+        parts.append(_cap(end, d, r, side, refine, panels[1] // 2))
     return HullMesh(part=np.concatenate(parts), lid=column.lid, symmetry="xz yz")
 
 
-def _cap(centre, direction, radius: float, side, refine: int) -> np.ndarray:
+def _cap(centre, direction, radius: float, side, refine: int, around: int) -> np.ndarray:
     """Return the half disc that closes a pontoon's free end."""
     right = np.cross(direction, [0.0, 0.0, 1.0])
     upper = np.cross(right, direction)
-    angle = np.linspace(*side, 3 * refine + 1)
+    angle = np.linspace(*side, around * refine + 1)
     step = angle[1] - angle[0]
     rings = radius * np.sqrt(step / np.sin(step)) * np.linspace(1.0, 0.0, refine + 1)
     points = centre + rings[:, None, None] * (np.cos(angle)[:, None] * right + np.sin(angle)[:, None] * upper)

@@ -110,8 +110,10 @@ def test_lid_removes_the_irregular_frequency():
 
 def test_meshes_have_the_volume_of_their_shapes():
     assert volume(whole(barge_mesh(40.0, 30.0, 4.0, moonpool=10.0))) == pytest.approx(40 * 30 * 4 - 400, rel=1e-12)
-    capped = barge_mesh(40.0, 40.0, 4.0, moonpool=10.0, cap=0.05)
-    assert volume(whole(capped)) == pytest.approx(1600 * 4 - 100 * 3.95, rel=1e-12)
+    capped = barge_mesh(40.0, 40.0, 4.0, moonpool=10.0, cap=1.0)
+    assert volume(whole(capped)) == pytest.approx(1600 * 4 - 100 * 3, rel=1e-12)
+    closed = barge_mesh(40.0, 40.0, 4.0, moonpool=10.0, cap=0.0)
+    assert volume(whole(closed)) == pytest.approx(6000, rel=1e-12)
     semi = semi_mesh(12.0, 50 / np.sqrt(3), 20.0, central_diameter=6.5, members=semi_braces(OC4))
     assert volume(whole(semi)) == pytest.approx(float(displaced(OC4)[0]), rel=5e-4)  # joints' curved ends
     tlp = tlp_mesh(18.0, 47.89, pontoon_length=18.0, pontoon_diameter=2.4)
