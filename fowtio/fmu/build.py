@@ -33,7 +33,7 @@ from model.reduce.excitation import ExcitationFit, WaveForce, fit_wave_force, wa
 from model.reduce.importance import importance
 from model.reduce.radiation import RadiationFit, fit_radiation
 from model.reduce.state_space import StateSpace, modal_form, reduce_balanced, state_space
-from model.reduce.targets import targets
+from model.reduce.targets import paths
 from model.response.drag_iteration import linear_drag_model
 from model.response.solve import Excitation, Response, prepare, solve
 from model.system.hydro import headings_cover
@@ -139,15 +139,15 @@ def linearise(
     own = _own_part(response, column)
     matters = importance(point.outputs, own, point.modes.frequency, BAND)
     progress("fitting radiation")
-    radiation = fit_radiation(point.system.hydro, matters, data=model.hydro.omega)
+    responses = paths(
+        point.system, point.mean, point.outputs, response.drag_damping, lambda omega: waves.at(omega, column), BAND,
+        data=model.hydro.omega, natural=point.modes.frequency,
+    )  # fmt: skip
+    radiation = fit_radiation(point.system.hydro, matters, responses, data=model.hydro.omega)
     excitation = None
     if "elevation" in inputs:
         progress("fitting excitation")
-        wanted = targets(
-            point.system, point.mean, point.outputs, response.drag_damping, radiation, lambda omega: waves.at(omega, column), BAND,
-            data=model.hydro.omega,
-        )  # fmt: skip
-        excitation = fit_wave_force(waves, column, wanted)
+        excitation = fit_wave_force(waves, column, responses.targets(radiation(responses.omega)))
     groups = {_SPACE_GROUPS[g] for g in inputs if entry.wind_speed > 0 or g not in ("wind", "turbulence")}
     space = state_space(
         point.system, point.mean, point.outputs, response.drag_damping, radiation, excitation=excitation,

@@ -10,21 +10,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from model.conventions import PLATFORM_DOFS, freeze
-from model.reduce.rational import partial_fractions, realisation, relocate
+from model.reduce.rational import partial_fractions, realisation
 from model.reduce.targets import PHASE, Targets
 from model.response.solve import Response
 from model.system.hydro import HydroCoefficients, excitation_at
 
-TARGET = 0.013  # of any response; see Targets for what a phase counts
-WINDOWS = ((60.0, 20.0), (80.0, 20.0), (80.0, 30.0), (110.0, 40.0), (150.0, 60.0))  # s: memory and shift tried in turn
-FADES = 3.0  # nepers within the memory, at the start
+TARGET = 0.012  # of any response; see Targets for what a phase counts
+SHIFTS = (20.0, 30.0, 40.0, 60.0)  # s, tried in turn
+ORDERS = (24, 36, 48, 60, 72, 84, 96, 112, 128)  # of the memory, tried in turn
+MEMORY = 140.0  # s that the memory may last beyond the shift
+STEP = 0.9  # s between samples of the memory: up to 3.5 rad/s
 SLOW = (0.003, 0.01, 0.03, 0.1)  # 1/s: what the memory cannot hold, below the lowest frequency of the data
-RELOCATIONS = 5  # of the poles
+SLOWEST = 2e-3  # 1/s, least decay of any other pole
+GAIN = 1.35  # by which reweighting lowers the largest error at least
 ROUNDS = 8  # of reweighting
 OWN = 0.3  # what an error of a force relative to its own peak counts beside one of a response; a tenth of it outside the band
-CAP = 10.0  # that a relative error of a force may count above one, where forces nearly cancel in a response
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -120,7 +123,7 @@ def fit_wave_force(waves: WaveForce, column: int, targets: Targets) -> Excitatio
 
 
 def fit_excitation(
-    omega, force, inside, targets: Targets, own, live, *, windows=WINDOWS, target: float = TARGET
+    omega, force, inside, targets: Targets, own, live, *, shifts=SHIFTS, orders=ORDERS, target: float = TARGET
 ) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Return poles, coefficients (b, l), shift [s] and the largest error of any response of a causal fit of a force.
 
@@ -129,36 +132,71 @@ def fit_excitation(
     omega : (n) [rad/s]; force : (n, l) complex, the degrees of freedom `live` of six; inside : (n) true where `targets` hold
     targets : the responses to be met with the force
     own : (n, l, l) what an error of the force itself counts
-    windows : memory and shift [s] tried in turn; the first that reaches the target, else the best within a twentieth
+    shifts, orders : [s], tried in turn; the first that reaches the target, else the best within a twentieth
 
-    Poles start as many as a memory needs, evenly spaced, and are relocated by vector fitting; the coefficients follow from the responses,
-    with weights that grow where the error is large (Lawson), so that the largest error falls.
+    Poles are those of the late force's impulse response (`impulse_poles`); the coefficients follow from the responses, with weights
+    that grow where the error is large (Lawson), so that the largest error falls.
     """
-    problems = [_Window(omega, force, inside, targets, own, live, *w) for w in windows[:1]]
-    first = [problems[0].fit(1)[1]]
-    for window in windows[1:]:
-        if first[-1] <= 1.3 * target:  # what the reweighting gains
+    tried = []
+    for shift, order, poles in _candidates(omega, force, shifts, orders):
+        problem = _Problem(omega, force, inside, targets, own, live, poles, shift)
+        tried.append((problem.fit(1)[1], problem))
+        if tried[-1][0] <= GAIN * target:
             break
-        problems.append(_Window(omega, force, inside, targets, own, live, *window))
-        first.append(problems[-1].fit(1)[1])
-    chosen = next(k for k, e in enumerate(first) if e <= max(1.3 * target, 1.05 * min(first)))
-    coefficients, worst = problems[chosen].fit(ROUNDS)
-    return problems[chosen].poles, coefficients, problems[chosen].shift, worst
+    enough = max(GAIN * target, 1.05 * min(e for e, _ in tried))
+    chosen = min((p for e, p in tried if e <= enough), key=lambda p: len(p.poles))
+    coefficients, worst = chosen.fit(ROUNDS)
+    return chosen.poles, coefficients, chosen.shift, worst
 
 
-class _Window:
-    """The problem of one memory [s] and shift [s]: poles, and linear in the coefficients."""
+def _candidates(omega, force, shifts, orders):
+    """Yield shift [s], order and poles to try, the cheapest first."""
+    known = {s: impulse_poles(omega, force, s) for s in shifts}
+    for order in orders:
+        for shift in shifts:
+            poles = known[shift](order)
+            if poles is not None:
+                yield shift, order, poles
 
-    def __init__(self, omega, force, inside, targets: Targets, own, live, memory: float, shift: float):
+
+def impulse_poles(omega, force, shift: float):
+    """Return a function that gives the poles [rad/s] of a state space of some order for a force (n, l) late by the shift [s]; None
+    where the impulse response is shorter than that.
+
+    The impulse response is sampled, what would come before zero left out, and realised by the singular values of its Hankel
+    matrix (eigensystem realisation: Kung 1978; Juang and Pappa, J. Guidance 8(5), 1985).
+    """
+    top, half = omega[-1] / 1.8, np.pi / STEP
+    w = np.linspace(0.0, half, 4096)
+    values = CubicSpline(omega, force / np.abs(force).max(axis=0))(np.clip(w, omega[0], omega[-1]))
+    values.imag[w < omega[0]] *= (w[w < omega[0]] / omega[0])[:, None]
+    values *= np.cos(np.clip((w - top) / (half - top), 0, 1) * np.pi / 2)[:, None] ** 2 * w[1]
+    count, width = int((MEMORY + shift) / STEP), force.shape[1]
+    late = np.exp(1j * np.outer(np.arange(count) * STEP - shift, w)) @ values
+    memory = np.concatenate([late.real, np.zeros((count, width))])
+    rows = memory[np.add.outer(np.arange(count), np.arange(count))]  # (i, j, l): h[i + j]
+    u, size, _ = np.linalg.svd(np.moveaxis(rows, 2, 1).reshape(count * width, count), full_matrices=False)
+
+    def poles(order: int):
+        if order >= count or size[order] < 1e-9 * size[0]:
+            return None
+        observed = u[:, :order] * np.sqrt(size[:order])
+        values = np.linalg.eigvals(np.linalg.lstsq(observed[:-width], observed[width:], rcond=None)[0]).astype(complex)
+        values = values[(values.imag > 1e-9) | ((np.abs(values.imag) <= 1e-9) & (values.real > 1e-6))]  # of each pair one, no alternation
+        found = np.log(values) / STEP
+        found = -np.maximum(-found.real, SLOWEST) + 1j * np.where(np.abs(found.imag) <= 1e-9, 0.0, found.imag)
+        return np.concatenate([-np.array(SLOW) + 0j, found])
+
+    return poles
+
+
+class _Problem:
+    """The problem with given poles and shift [s]: linear in the coefficients."""
+
+    def __init__(self, omega, force, inside, targets: Targets, own, live, poles, shift: float):
         gain, late, count = targets.gain[..., live], force * np.exp(-1j * omega * shift)[:, None], len(live)
-        self.shift, self.inside = shift, inside
-        self.poles = _poles(memory, 1.08 * targets.omega[-1])
-        weight = np.einsum("nii->ni", own).copy()
-        weight[inside] = targets.counts[:, None] * np.maximum(weight[inside], np.abs(targets.share[..., None] * gain).max(axis=1))
-        weight = np.minimum(weight, CAP / np.abs(force) + 1 / np.abs(force).max(axis=0))
-        for _ in range(RELOCATIONS):
-            self.poles = _faded(relocate(omega, late, np.stack([weight, weight]), self.poles, "proper"), memory)
-        basis = partial_fractions(1j * omega, self.poles)
+        self.shift, self.inside, self.poles = shift, inside, poles
+        basis = partial_fractions(1j * omega, poles)
         self.size = np.linalg.norm(basis, axis=0)
         basis, each = basis / self.size, basis.shape[1]
         self.basis = np.zeros((len(omega), 2 * count, count * each))  # real parts above imaginary parts of the forces
@@ -193,18 +231,6 @@ class _Window:
         blocks = [triangle[..., :-1] @ self.basis[self.inside], self.own @ self.basis]
         matrix = np.concatenate([block.reshape(-1, block.shape[-1]) for block in blocks])
         return matrix, np.concatenate([triangle[..., -1].ravel(), self.own_target.ravel()])
-
-
-def _poles(memory: float, top: float) -> np.ndarray:
-    """Return poles to start from: slow real ones, and pairs evenly spaced up to the top [rad/s] that fade within the memory [s]."""
-    spacing = 2 * np.pi / memory
-    return np.concatenate([-np.array(SLOW) + 0j, -FADES / memory + 1j * spacing * np.arange(1, int(top / spacing) + 1)])
-
-
-def _faded(poles, memory: float) -> np.ndarray:
-    """Return poles none of which rings on long after the memory [s]; real ones may be as slow as the slowest to start from."""
-    least = np.where(poles.imag == 0, SLOW[0], 1 / memory)
-    return -np.maximum(-poles.real, least) + 1j * poles.imag
 
 
 def _real(matrix, phase: float = 1.0) -> np.ndarray:

@@ -7,26 +7,27 @@ Reference for the properties: Perez and Fossen, Modeling, Identification and Con
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag, eigvals
-from scipy.optimize import nnls
+from scipy.linalg import block_diag
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from model.conventions import PLATFORM_DOFS, freeze
 from model.reduce.importance import Importance, pooled
-from model.reduce.rational import RationalFit, admissible, columns, fit, rational, realisation, starting_poles
-from model.response.cummins import added_mass_of_damping
-from model.system.hydro import HydroCoefficients, infinite_added_mass, radiation_at
+from model.reduce.joint import KnownRadiation, meet_responses
+from model.reduce.passivity import Ports, check_grid, nearest_passive, realise, symmetric
+from model.reduce.rational import RationalFit, admissible, columns, fit, rational, starting_poles
+from model.reduce.targets import Paths
+from model.response.cummins import added_mass_of_damping, retardation_transform
+from model.system.hydro import HydroCoefficients, infinite_added_mass
 
 ABSENT = (
     1e-4  # of the largest translation or rotation: a smaller diagonal term is rounding (yaw of a body of revolution)
 )
 SIGNIFICANT = 0.01  # of the geometric mean of the two diagonal peaks
 TARGET = 0.005  # of the peak, and of any response
-PASSIVE = 1e-5  # largest negative eigenvalue of the scaled damping matrix that counts as rounding
 RESPONSE = 0.58  # what a relative error of a response counts beside an error of K relative to its peak
 BETWEEN, BEYOND = 0.1, 0.01  # what an error of K counts between the frequencies of the data and outside them
 MOST = 1000.0  # that responses may raise the weight of an error above that of a fraction of the peak
@@ -70,13 +71,6 @@ class RadiationFit:
         return memory + s * self.added_mass_change
 
 
-def retardation_transform(hydro: HydroCoefficients, omega) -> np.ndarray:
-    """Return K (n, 6, 6) = B + i omega (A - A_inf), symmetric, at omega (n) [rad/s]."""
-    added, damping = radiation_at(hydro, omega)
-    k = damping + 1j * np.asarray(omega)[:, None, None] * (added - infinite_added_mass(hydro))
-    return (k + np.swapaxes(k, 1, 2)) / 2
-
-
 def disagreement(hydro: HydroCoefficients) -> np.ndarray:
     """Return by how much added mass and damping of a body's data disagree, as fractions of the peaks of |K| (6, 6).
 
@@ -93,14 +87,16 @@ def disagreement(hydro: HydroCoefficients) -> np.ndarray:
 
 
 def fit_radiation(
-    hydro: HydroCoefficients, matters: Importance | None = None, *, data=None, target: float = TARGET, most: int = MANY
-) -> RadiationFit:
+    hydro: HydroCoefficients, matters: Importance | None = None, responses: Paths | None = None, *, data=None, target: float = TARGET,
+    most: int = MANY,
+) -> RadiationFit:  # fmt: skip
     """Return a stable, passive state space of the radiation of a body.
 
     Parameters
     ----------
     hydro : coefficients about the platform reference point
-    matters : what errors do to the responses; where they do much, the fit is closer
+    matters : what errors do to the responses; where they do much, poles are placed
+    responses : to be met with the coefficients of all blocks together (`joint`)
     data : frequencies [rad/s] at which the coefficients were computed, by default all of `hydro`
     target : largest error sought, a fraction of each pair's peak at the frequencies of the data, and of any response everywhere
     most : number of poles up to which poles are added to each block until the target is reached; the best fit stays otherwise
@@ -110,20 +106,18 @@ def fit_radiation(
     known, nodes = retardation_transform(hydro, omega), floor == 1
     peak = np.abs(known[nodes]).max(axis=0)
     significant = _significant(peak, omega[nodes][-1] * np.abs(np.diag(infinite_added_mass(hydro))))
-    parts, names, found, least = [], [], [], []
+    blocks = _blocks(significant)
+    parts = [np.ix_(block, block) for block in blocks]
+    fits = [_fit_block(omega, known[:, *here], urgent[:, *here], floor, target, most) for here in parts]
+    found, after = meet_responses([f.found for f in fits], blocks, KnownRadiation(omega=omega, k=known, floor=floor), responses)
     change, together = np.zeros((6, 6)), np.zeros((6, 6), dtype=bool)
-    for block in _blocks(significant):
-        here = np.ix_(block, block)
-        best = _fit_block(omega, known[:, *here], urgent[:, *here], floor, target, most)
-        parts.append((block, *_realise(best.found)))
-        names.append(tuple(PLATFORM_DOFS[k] for k in block))
-        found.append(best.found.order)
-        least.append((best.before, best.after))
-        change[here], together[here] = _symmetric(best.found.constant), True
-    a, b, c = _stack(parts)
+    for here, f in zip(parts, found, strict=True):
+        change[here], together[here] = symmetric(f.constant), True
+    a, b, c = _stack([(block, *realise(f)) for block, f in zip(blocks, found, strict=True)])
     out = RadiationFit(
-        a=a, b=b, c=c, added_mass_change=change, error=np.zeros((6, 6)), blocks=tuple(names), orders=tuple(found),
-        least_damping=tuple(float(v) for v in np.min(least, axis=0)) if least else (0.0, 0.0),
+        a=a, b=b, c=c, added_mass_change=change, error=np.zeros((6, 6)), orders=tuple(f.order for f in found),
+        blocks=tuple(tuple(PLATFORM_DOFS[k] for k in block) for block in blocks),
+        least_damping=(min((f.before for f in fits), default=0.0), after),
     )  # fmt: skip
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.abs(out(omega[nodes]) - known[nodes]).max(axis=0) / peak
@@ -151,43 +145,6 @@ def _significant(peak, inertia) -> np.ndarray:
     return (peak > SIGNIFICANT * np.sqrt(np.outer(diagonal, diagonal))) & (peak > 0) & ~dead & ~dead[:, None]
 
 
-def _symmetric(upper) -> np.ndarray:
-    """Return the symmetric matrix (..., m, m) of upper triangles (..., m (m + 1) / 2)."""
-    upper = np.asarray(upper)
-    m = int((np.sqrt(8 * upper.shape[-1] + 1) - 1) / 2)
-    i, j = np.triu_indices(m)
-    out = np.zeros((*upper.shape[:-1], m, m), dtype=upper.dtype)
-    out[..., i, j] = out[..., j, i] = upper
-    return out
-
-
-def least_damping(a, b, c, scale, top: float) -> tuple[float, list[float]]:
-    """Return the least eigenvalue of the scaled damping matrix over all frequencies and the frequencies [rad/s] of local minima.
-
-    a (r, r), b (r, m), c (m, r) of K; scale (m) divides rows and columns; top [rad/s] ends the search grid. Where the
-    eigenvalue changes sign follows exactly from the imaginary eigenvalues of the pencil of K(s) + K(-s)^T, so that no
-    narrow gap between grid points stays unseen.
-    """
-    n, m = b.shape
-    pencil = np.block([
-        [a, np.zeros((n, n)), b], [np.zeros((n, n)), -a.T, -c.T], [c, b.T, np.zeros((m, m))]
-    ])  # fmt: skip
-    weight = np.concatenate(
-        [np.ones(2 * n), 1 / scale]
-    )  # rows and columns of the ports, so that the pencil is balanced
-    pencil = pencil * weight[:, None] * weight
-    values = eigvals(pencil, block_diag(np.eye(2 * n), np.zeros((m, m))))
-    values = values[np.isfinite(values)]
-    crossings = np.abs(values.imag[np.abs(values.real) < 1e-6 * np.abs(values)])
-    crossings = np.unique(crossings[(crossings > 0) & (crossings < 100 * top)])
-    between = (crossings[1:] + crossings[:-1]) / 2
-    grid = np.unique(np.concatenate([np.geomspace(top / 1e4, 100 * top, 4000), between]))
-    k = c @ np.linalg.solve(1j * grid[:, None, None] * np.eye(n) - a, b + 0j)
-    lowest = np.linalg.eigvalsh((k.real + np.swapaxes(k.real, 1, 2)) / 2 / np.outer(scale, scale))[:, 0]
-    turn = np.flatnonzero((lowest[1:-1] < lowest[:-2]) & (lowest[1:-1] <= lowest[2:])) + 1
-    return float(lowest.min()), [float(w) for w in grid[turn[lowest[turn] < 0]]]
-
-
 def _blocks(significant: np.ndarray) -> list[list[int]]:
     """Return the groups of degrees of freedom that significant pairs connect."""
     count, label = connected_components(coo_array(significant), directed=False)
@@ -197,13 +154,11 @@ def _blocks(significant: np.ndarray) -> list[list[int]]:
 
 @dataclass(frozen=True, eq=False)
 class _Passive:
-    """A passive fit of a block: the fit of G, the weights that made it, its largest error, least damping eigenvalue before and after."""
+    """A passive fit of a block: the fit of G, its largest error, the least damping eigenvalue before it was made passive."""
 
     found: RationalFit
-    weight: np.ndarray
     error: float
     before: float
-    after: float
 
 
 def _fit_block(omega, data, urgent, floor, target: float, most: int) -> _Passive:
@@ -235,7 +190,7 @@ def _fit_block(omega, data, urgent, floor, target: float, most: int) -> _Passive
         worst = np.abs(tried[-1].found(omega) - problem.g) * problem.part
         grown = np.append(tried[-1].found.poles, (-0.05 + 1j) * omega[worst.max(axis=1).argmax()])
     enough = max(target, 1.02 * min(errors))
-    return _exactly_passive(problem, next(t for t, e in zip(tried, errors, strict=True) if e <= enough))
+    return next(t for t, e in zip(tried, errors, strict=True) if e <= enough)
 
 
 def _from(problem: _Problem, poles) -> _Passive:
@@ -253,14 +208,6 @@ def _weights(omega, values, nodes, peak, need) -> np.ndarray:
     damping = np.abs(values.real) / peak
     added = np.maximum(omega, omega[nodes][0] * 4)[:, None] * need
     return np.stack([added, added * (1 + 0.06 / (0.003 + damping))])
-
-
-def _realise(found: RationalFit) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return A, B, C of one block: one copy of the poles for each input; coefficients (b, m (m + 1) / 2) of G."""
-    a, b = realisation(found.poles)
-    c = np.swapaxes(_symmetric((found.coefficients.T @ a).T), 0, -1)
-    m = len(c)
-    return np.kron(np.eye(m), a), np.kron(np.eye(m), b[:, None]), c.reshape(m, -1)
 
 
 def _stack(parts) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -289,59 +236,28 @@ class _Problem:
 def _passive(problem: _Problem, poles, rounds: int = 6) -> _Passive:
     """Return the best fit with given poles whose damping matrix is nowhere negative on a grid.
 
-    Least squares under the linear conditions u^T Re K(i omega) u >= 0, u the eigenvector of a negative minimum, which are
-    added until no negative minimum is left (cutting planes; the set of passive coefficients is convex). Between rounds
-    points with large errors gain weight. Cf. Gustavsen, IEEE Trans. Power Delivery 23(4), 2008.
+    Least squares; between rounds points with large errors gain weight.
     """
     now, best, before = problem.weight, None, None
-    check, planes = _check_grid(poles, problem.omega), None
+    space, check = admissible(poles, "fast"), check_grid(poles, problem.omega)
+    basis = columns(1j * problem.omega, poles, space, "fast")
+    rows = (1j * check[:, None] * columns(1j * check, poles, space, "fast")).real
+    ports, planes = Ports(rows, problem.scale, slice(0, basis.shape[1] * problem.g.shape[1])), None
     for _ in range(rounds):
-        tried, planes = _passive_fit(problem, now, poles, check, planes)
-        before = tried.before if before is None else before
-        if best is None or tried.error < best.error:
-            best = tried
-        error = np.abs(tried.found(problem.omega) - problem.g) * problem.part
+        free, root = _least_squares(basis, problem.g, now)
+        z, planes, (low, _) = nearest_passive(free, root, [ports], planes)
+        coefficients = z.reshape(-1, basis.shape[1]).T
+        error = np.abs(basis @ coefficients - problem.g) * problem.part
+        before = low if before is None else before
+        if best is None or error.max() < best.error:
+            best = _Passive(rational(poles, space, coefficients, "fast"), float(error.max()), before)
         gain = np.sqrt(0.1 * error.max() + error)
         now = now * (gain / gain.mean())
-    return replace(best, before=before)
-
-
-def _exactly_passive(problem: _Problem, best: _Passive) -> _Passive:
-    """Return a fit without the dips of the damping that are narrower than the grid of `_passive`."""
-    check, planes, before = _check_grid(best.found.poles, problem.omega), None, best.before
-    for _ in range(8):
-        exact, dips = least_damping(*_realise(best.found), problem.scale, problem.omega.max() / 2)
-        best = replace(best, before=before, after=exact)
-        if exact > -PASSIVE or not dips:
-            break
-        check = np.union1d(check, dips)
-        best, planes = _passive_fit(problem, best.weight, best.found.poles, check, planes)
     return best
 
 
-def _passive_fit(problem: _Problem, weight, poles, check, planes) -> tuple[_Passive, np.ndarray]:
-    """Return the least-squares fit of G (n, c) that is passive on a check grid (w) [rad/s], and the planes that hold it."""
-    space = admissible(poles, "fast")
-    basis = columns(1j * problem.omega, poles, space, "fast")
-    rows = (1j * check[:, None] * columns(1j * check, poles, space, "fast")).real
-    free, roots = _least_squares(basis, problem.g, weight)
-    if planes is None:
-        planes = np.zeros((0, free.size))
-    z, planes, lowest = _cutting_planes(free, roots, rows, problem.scale, planes)
-    error = float((np.abs(basis @ z - problem.g) * problem.part).max())
-    return _Passive(rational(poles, space, z, "fast"), weight, error, *lowest), planes
-
-
-def _check_grid(poles, omega) -> np.ndarray:
-    """Return frequencies [rad/s] that see every pole's peak and both ends."""
-    top, size = omega.max(), np.abs(poles)[:, None]
-    near = size * (1 - poles.real[:, None] / size * np.linspace(-4, 4, 17))
-    near = near[(near > 0) & (near < 50 * top)]
-    return np.unique(np.concatenate([np.geomspace(omega[0] / 10, 50 * top, 200), np.linspace(0, top, 1200)[1:], near]))
-
-
-def _least_squares(basis, g, weight) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Return free coefficients (f, c) and the triangular roots of the normal equations, one for each response."""
+def _least_squares(basis, g, weight) -> tuple[np.ndarray, np.ndarray]:
+    """Return free coefficients (c f), response by response, and the inverse root of the normal equations."""
     out, roots = [], []
     for k in range(g.shape[1]):
         tall = np.concatenate([weight[0][:, [k]] * basis.real, weight[1][:, [k]] * basis.imag])
@@ -350,53 +266,4 @@ def _least_squares(basis, g, weight) -> tuple[np.ndarray, list[np.ndarray]]:
         inverse = np.linalg.pinv(r, rcond=1e-10)
         out.append(inverse @ (q.T @ target))
         roots.append(inverse)
-    return np.stack(out, axis=1), roots
-
-
-def _cutting_planes(free, roots, rows, scale, planes, limit: int = 40):
-    """Return the passive coefficients (f, c) nearest to free ones, the planes (k, c f) that hold them, and the least damping
-    eigenvalue before and after.
-
-    roots: inverse roots of the norm for each response; rows (w, f) give the damping of K on a check grid; scale (m) of the
-    ports; planes (k, c f) to start with, from a nearby problem.
-    """
-    i, j = np.triu_indices(len(scale))
-    z, first = free, None
-    for _ in range(limit):
-        damping = np.zeros((len(rows), len(scale), len(scale)))
-        damping[:, i, j] = damping[:, j, i] = rows @ z / (scale[i] * scale[j])
-        values, vectors = np.linalg.eigh(damping)
-        low = float(values[:, 0].min())
-        first = low if first is None else first
-        if low > -2e-6:
-            break
-        cuts = [planes]
-        for mode in range(len(scale)):
-            lowest = np.concatenate([[np.inf], values[:, mode], [np.inf]])
-            dip = np.flatnonzero((lowest[1:-1] < -1e-7) & (lowest[1:-1] <= lowest[:-2]) & (lowest[1:-1] < lowest[2:]))
-            u = vectors[dip, :, mode] / scale
-            share = np.where(i == j, 1.0, 2.0) * u[:, i] * u[:, j]
-            cuts.append((share[:, :, None] * rows[dip][:, None, :]).reshape(len(dip), planes.shape[1]))
-        planes = np.concatenate(cuts)
-        change, active = _least_change(roots, planes, 3e-5 - planes @ free.T.ravel())
-        z, planes = free + change.T, planes[active]
-    return z, planes, (first, low)
-
-
-def _least_change(roots, planes, levels) -> tuple[np.ndarray, np.ndarray]:
-    """Return changes (c, f) of least norm with planes (w, c f) . change >= levels (w), and which planes are active (w).
-
-    Least distance programming by non-negative least squares (Lawson and Hanson, Solving Least Squares Problems, ch. 23).
-    """
-    size = len(roots[0])
-    g = np.concatenate([planes[:, k * size : (k + 1) * size] @ inv for k, inv in enumerate(roots)], axis=1)
-    length = np.maximum(np.linalg.norm(g, axis=1), 1e-300)
-    h = levels / length
-    reach = max(np.abs(h).max(), 1e-300)  # so that the solution is of order one
-    stacked = np.concatenate([(g / length[:, None]).T, h[None] / reach])
-    target = np.zeros(len(stacked))
-    target[-1] = 1.0
-    u, _ = nnls(stacked, target, maxiter=200 * len(h) + 200)
-    r = stacked @ u - target
-    y = -reach * r[:-1] / r[-1]
-    return np.stack([inv @ part for inv, part in zip(roots, y.reshape(len(roots), -1), strict=True)]), u > 0
+    return np.concatenate(out), block_diag(*roots)

@@ -14,7 +14,7 @@ from scipy.special import sici
 
 from model.conventions import PLATFORM_DOFS, freeze
 from model.response.assemble import Equilibrium, Modes, System
-from model.system.hydro import HydroCoefficients, infinite_added_mass
+from model.system.hydro import HydroCoefficients, infinite_added_mass, radiation_at
 
 _SIGNIFICANT = 1e-3
 
@@ -66,6 +66,13 @@ def retardation(hydro: HydroCoefficients, time) -> np.ndarray:
     out = _cosine_transform(grid, values, time)
     out += np.multiply.outer(grid[-1] * _tail_cosine(grid[-1] * time), values[-1])
     return 2 / np.pi * out
+
+
+def retardation_transform(hydro: HydroCoefficients, omega) -> np.ndarray:
+    """Return K (n, 6, 6) = B + i omega (A - A_inf), symmetric, at omega (n) [rad/s]: the transform of the retardation functions."""
+    added, damping = radiation_at(hydro, omega)
+    k = damping + 1j * np.asarray(omega)[:, None, None] * (added - infinite_added_mass(hydro))
+    return (k + np.swapaxes(k, 1, 2)) / 2
 
 
 def added_mass_of_damping(hydro: HydroCoefficients, omega) -> np.ndarray:

@@ -1,0 +1,229 @@
+"""Coefficients of the radiation fit of all degrees of freedom together, from what they do to the responses.
+
+With the poles given, K is linear in its coefficients, and so is, about any fit, the relative error of a response: minus gain times
+i omega dK times the platform's motion. The largest of all errors, of pairs and of responses, each as a fraction of what is allowed,
+is made small by reweighted least squares (Lawson 1961) under the linear conditions of passivity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.reduce.passivity import PASSIVE, Ports, check_grid, least_damping, nearest_passive, realise
+from model.reduce.rational import RationalFit, admissible, columns, rational
+from model.reduce.targets import PHASE, Paths
+
+ALLOWED_PAIR, ALLOWED_RESPONSE = 0.009, 0.015  # of the peak; relative, phases counting by PHASE
+SLACK = 1.03  # what is allowed of a pair's error to start from, where that is larger
+ROUNDS = 12
+ENOUGH = 0.8  # of what is allowed
+LEAN = 0.01  # what errors between and beyond the data count beside those that are limited
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class KnownRadiation:
+    """K (n, 6, 6) at omega (n) [rad/s], and what its error counts there at least: floor (n) 1 at the frequencies of the data, less elsewhere."""
+
+    omega: np.ndarray
+    k: np.ndarray
+    floor: np.ndarray
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """True (n) at the frequencies of the data."""
+        return self.floor == 1
+
+
+def meet_responses(
+    fits: Sequence[RationalFit], blocks: Sequence[Sequence[int]], known: KnownRadiation, paths: Paths | None
+) -> tuple[list[RationalFit], float]:
+    """Return fits of G = K / (i omega) of all blocks with the same poles, which make the largest error of any pair or response small,
+    and the least eigenvalue of their scaled damping matrices.
+
+    fits : to start from (passive), one for each block of degrees of freedom (places among six)
+    paths : responses; None for the pairs alone
+    """
+    if not fits:
+        return [], 0.0
+    problem = _Joint(fits, blocks, known, _nothing() if paths is None else paths)
+    z, planes, weights = problem.start, None, problem.even_weights()
+    best, worst = None, np.inf
+    for _ in range(ROUNDS):
+        equations = problem.equations(z, *weights)
+        z, planes = _solve(*equations, problem.ports, planes)
+        found = problem.errors(z)
+        if found.worst < worst:
+            best, worst = (z, equations), found.worst
+        if worst < ENOUGH:
+            break
+        weights = _reweighted(weights, found)
+    return _exactly_passive(problem, *best)
+
+
+def _exactly_passive(problem: _Joint, z, equations) -> tuple[list[RationalFit], float]:
+    """Return the fits without the dips of the damping that are narrower than the check grids, and the least eigenvalue left."""
+    ports, planes, top = problem.ports, None, problem.known.omega.max() / 2
+    for _ in range(8):
+        fits = problem.fits(z)
+        seen = [least_damping(*realise(f), p.scale, top) for f, p in zip(fits, ports, strict=True)]
+        if all(low > -PASSIVE or not dips for low, dips in seen):
+            break
+        ports = [problem.look_at(k, dips) for k, (_, dips) in enumerate(seen)]
+        z, planes = _solve(*equations, ports, planes)
+    return fits, min(low for low, _ in seen)
+
+
+def _nothing() -> Paths:
+    """Return paths of one response that does not count."""
+    none = np.zeros((1, 1, 6), dtype=complex)
+    return Paths(
+        omega=np.ones(1), gain=none, motion=none, share=none[..., 0], by_waves=np.ones(1, dtype=bool), compliance=np.zeros((1, 6, 6)) + 0j,
+        memory=np.zeros((1, 6, 6)) + 0j, data=np.zeros(1, dtype=bool),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class _Errors:
+    """Errors as fractions of what is allowed: of responses (n, 2 r), real parts first, and of pairs at the data (k, p)."""
+
+    response: np.ndarray
+    pair: np.ndarray
+
+    @property
+    def worst(self) -> float:
+        return float(max(self.response.max(initial=0.0), self.pair.max(initial=0.0)))
+
+
+class _Joint:
+    """All pairs (p) of all blocks: where their coefficients stand among the unknowns, bases at the data and at the responses."""
+
+    def __init__(self, fits, blocks, known: KnownRadiation, paths: Paths):
+        self.first, self.known, self.paths = fits, known, paths
+        self.spaces = [admissible(f.poles, "fast") for f in fits]
+        self.pairs, self.places, self.ports, self.checks, start, at = [], [], [], [], [], 0
+        for f, space, block in zip(fits, self.spaces, blocks, strict=True):
+            free = np.concatenate([space.T @ f.coefficients, f.constant[None]])
+            each, count = free.shape
+            self.pairs += [(block[i], block[j]) for i, j in zip(*np.triu_indices(len(block)), strict=True)]
+            self.places += [slice(at + k * each, at + (k + 1) * each) for k in range(count)]
+            scale = np.sqrt(np.abs(known.k[known.nodes][:, block, block]).max(axis=0))
+            self.checks.append(check_grid(f.poles, known.omega))
+            rows = self._block_basis(self.checks[-1], f, space).real
+            self.ports.append(Ports(rows, scale, slice(at, at + free.size)))
+            start.append(free.T.ravel())
+            at += free.size
+        self.start, self.count = np.concatenate(start), at
+        self.i, self.j = np.array(self.pairs).T
+        self.here, self.there = self._basis(known.omega), self._basis(paths.omega)
+        self.k = known.k[:, self.i, self.j]
+        self.peak = np.abs(self.k[known.nodes]).max(axis=0)
+        own = np.abs(self._memory(self.start, self.here) - self.k)[known.nodes].max(axis=0) / self.peak
+        self.allowed = np.maximum(ALLOWED_PAIR, SLACK * own)
+        self.lean = self._lean_rows()
+
+    def even_weights(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return weights of responses (n, 2 r) and pairs (k, p)."""
+        return np.ones((len(self.paths.omega), 2 * self.paths.share.shape[1])), np.ones((int(self.known.nodes.sum()), len(self.pairs)))
+
+    def errors(self, z) -> _Errors:
+        """Return the errors of the responses and pairs."""
+        slope, change = self._slope(z)
+        response = np.einsum("nrp,np->nr", slope, change) / ALLOWED_RESPONSE
+        pair = np.abs(self._memory(z, self.here) - self.k)[self.known.nodes] / (self.peak * self.allowed)
+        return _Errors(np.abs(np.concatenate([response.real, PHASE * response.imag], axis=1)), pair)
+
+    def equations(self, z, by_response, by_pair) -> tuple[np.ndarray, np.ndarray]:
+        """Return matrix (e, u) and target (e) of the least squares about the coefficients z; weights as of `even_weights`.
+
+        The responses of each frequency are first reduced to as many rows as there are unknown forces.
+        """
+        slope, _ = self._slope(z)
+        rows = np.concatenate(
+            [np.concatenate([slope.real, -slope.imag], axis=2), PHASE * np.concatenate([slope.imag, slope.real], axis=2)], axis=1
+        )
+        memory = self.paths.memory[:, self.i, self.j]
+        known = np.einsum("nij,nj->ni", rows, np.concatenate([memory.real, memory.imag], axis=1))
+        weighted = np.concatenate([rows, known[..., None]], axis=2) * (by_response / ALLOWED_RESPONSE)[..., None]
+        triangle = np.linalg.qr(weighted, mode="r")
+        tall = np.empty((*triangle.shape[:2], self.count))
+        for p, (place, basis) in enumerate(zip(self.places, self.there, strict=True)):
+            real, imaginary = triangle[:, :, p, None], triangle[:, :, len(self.pairs) + p, None]
+            tall[..., place] = real * basis.real[:, None] + imaginary * basis.imag[:, None]
+        nodes, each = self.known.nodes, by_pair / (self.peak * self.allowed)
+        mine = self._pair_rows(nodes, [np.stack([w, w]) for w in each.T])
+        parts = [(tall.reshape(-1, self.count), triangle[..., -1].ravel()), self.lean, mine]
+        return np.concatenate([m for m, _ in parts]), np.concatenate([t for _, t in parts])
+
+    def fits(self, z) -> list[RationalFit]:
+        """Return the fits of the blocks with coefficients z."""
+        out = []
+        for f, space, ports in zip(self.first, self.spaces, self.ports, strict=True):
+            pairs = len(ports.scale) * (len(ports.scale) + 1) // 2
+            out.append(rational(f.poles, space, z[ports.place].reshape(pairs, -1).T, "fast"))
+        return out
+
+    def look_at(self, block: int, more: Sequence[float]) -> Ports:
+        """Return the ports of a block with more frequencies [rad/s] in its check grid, which stay there."""
+        self.checks[block] = np.union1d(self.checks[block], more)
+        rows = self._block_basis(self.checks[block], self.first[block], self.spaces[block]).real
+        self.ports[block] = replace(self.ports[block], rows=rows)
+        return self.ports[block]
+
+    @staticmethod
+    def _block_basis(omega, found: RationalFit, space) -> np.ndarray:
+        """Return K (n, f) per coefficient of G."""
+        return 1j * omega[:, None] * columns(1j * omega, found.poles, space, "fast")
+
+    def _basis(self, omega) -> list[np.ndarray]:
+        """Return K (n, f) per coefficient for each pair."""
+        each = [(self._block_basis(omega, f, s), len(p.scale)) for f, s, p in zip(self.first, self.spaces, self.ports, strict=True)]
+        return [basis for basis, m in each for _ in range(m * (m + 1) // 2)]
+
+    def _memory(self, z, bases) -> np.ndarray:
+        """Return K (n, p) of the pairs."""
+        return np.stack([basis @ z[place] for basis, place in zip(bases, self.places, strict=True)], axis=1)
+
+    def _slope(self, z) -> tuple[np.ndarray, np.ndarray]:
+        """Return the relative change of the responses per change of K (n, r, p), exact for the change (n, p) that z makes."""
+        memory, paths, i, j = self._memory(z, self.there), self.paths, self.i, self.j
+        whole = paths.memory.copy()
+        whole[:, i, j] = whole[:, j, i] = memory
+        gain, rate = paths.gain_with(whole), 1j * paths.omega[:, None, None] * paths.motion
+        across = np.where(i != j, gain[..., j] * rate[..., i], 0.0)
+        return -paths.share[..., None] * (gain[..., i] * rate[..., j] + across), memory - paths.memory[:, i, j]
+
+    def _pair_rows(self, where, weights) -> tuple[np.ndarray, np.ndarray]:
+        """Return rows (e, u) and targets (e) of K at frequencies `where` (n): weights (2, k) of real and imaginary parts, for each pair."""
+        rows, targets = [], []
+        for p, (basis, place, w) in enumerate(zip(self.here, self.places, weights, strict=True)):
+            own, values = np.zeros((2 * w.shape[1], self.count)), self.k[where, p]
+            own[:, place] = np.concatenate([w[0][:, None] * basis[where].real, w[1][:, None] * basis[where].imag])
+            rows.append(own)
+            targets.append(np.concatenate([w[0] * values.real, w[1] * values.imag]))
+        return np.concatenate(rows), np.concatenate(targets)
+
+    def _lean_rows(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return rows of K everywhere with little weight, its damping with more where it is small (where drag-damped modes live)."""
+        damping = np.abs(self.k.real) / self.peak
+        weight = LEAN / ALLOWED_PAIR * self.known.floor[:, None] / self.peak
+        both = np.stack([weight * (1 + 0.06 / (0.003 + damping)), weight])
+        return self._pair_rows(np.ones(len(self.known.omega), dtype=bool), list(np.moveaxis(both, 2, 0)))
+
+
+def _solve(matrix, target, ports, planes) -> tuple[np.ndarray, np.ndarray]:
+    """Return the passive least-squares coefficients and the planes that hold them."""
+    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+    q, r = np.linalg.qr(matrix / size)
+    inverse = np.linalg.pinv(r, rcond=1e-10) / size[:, None]
+    z, planes, _ = nearest_passive(inverse @ (q.T @ target), inverse, ports, planes)
+    return z, planes
+
+
+def _reweighted(weights, found: _Errors) -> tuple[np.ndarray, np.ndarray]:
+    """Return weights that grow where errors are large."""
+    grown = [w * (0.05 * found.worst + e) ** 0.6 for w, e in zip(weights, (found.response, found.pair), strict=True)]
+    largest = max(w.max(initial=0.0) for w in grown)
+    return grown[0] / largest, grown[1] / largest
