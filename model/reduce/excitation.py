@@ -18,15 +18,18 @@ from model.reduce.targets import PHASE, Targets
 from model.response.solve import Response
 from model.system.hydro import HydroCoefficients, excitation_at
 
-TARGET = 0.012  # of any response; see Targets for what a phase counts
-SHIFTS = (20.0, 30.0, 40.0, 60.0)  # s, tried in turn
-ORDERS = (24, 36, 48, 60, 72, 84, 96, 112, 128)  # of the memory, tried in turn
+TARGET = 0.0125  # of any response; see Targets for what a phase counts
+SHIFTS = ((20.0, 48), (40.0, 72), (60.0, 96))  # s, and orders of the memory, tried in turn
 MEMORY = 140.0  # s that the memory may last beyond the shift
 STEP = 0.9  # s between samples of the memory: up to 3.5 rad/s
 SLOW = (0.003, 0.01, 0.03, 0.1)  # 1/s: what the memory cannot hold, below the lowest frequency of the data
 SLOWEST = 2e-3  # 1/s, least decay of any other pole
-GAIN = 1.35  # by which reweighting lowers the largest error at least
-ROUNDS = 8  # of reweighting
+DEBUG = False
+BENDS = (-0.06 + 1j, -0.2 + 1j), (-0.005 + 1j, -0.015 + 1j, -0.04 + 1j)  # poles over the frequencies where the data begin and end
+MORE, PATIENCE = 24, 8  # poles added at most, and tried without a tenth of gain
+START, HOPELESS = 3, 3.0  # poles after which a shift is left when its error is still so many times the target
+NARROW, DECAYS = 0.015, (1.0, 2.0, 0.7)  # rad/s up to 2 rad/s, then that share of it: decay of the poles added
+FEW, ROUNDS = 3, 12  # of reweighting, on the way and at the end
 OWN = 0.3  # what an error of a force relative to its own peak counts beside one of a response; a tenth of it outside the band
 
 
@@ -123,7 +126,7 @@ def fit_wave_force(waves: WaveForce, column: int, targets: Targets) -> Excitatio
 
 
 def fit_excitation(
-    omega, force, inside, targets: Targets, own, live, *, shifts=SHIFTS, orders=ORDERS, target: float = TARGET
+    omega, force, inside, targets: Targets, own, live, *, shifts=SHIFTS, target: float = TARGET
 ) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Return poles, coefficients (b, l), shift [s] and the largest error of any response of a causal fit of a force.
 
@@ -132,36 +135,51 @@ def fit_excitation(
     omega : (n) [rad/s]; force : (n, l) complex, the degrees of freedom `live` of six; inside : (n) true where `targets` hold
     targets : the responses to be met with the force
     own : (n, l, l) what an error of the force itself counts
-    shifts, orders : [s], tried in turn; the first that reaches the target, else the best within a twentieth
+    shifts : pairs of shift [s] and order, tried in turn; the first that reaches the target, else the best
 
-    Poles are those of the late force's impulse response (`impulse_poles`); the coefficients follow from the responses, with weights
-    that grow where the error is large (Lawson), so that the largest error falls.
+    Poles are those of the late force's impulse response (`impulse_poles`), and narrow ones where the error is largest: where the data begin
+    and end, and where splines between them bend. The coefficients follow from the responses, with weights that grow where the error is
+    large (Lawson), so that the largest error falls.
     """
-    tried = []
-    for shift, order, poles in _candidates(omega, force, shifts, orders):
-        problem = _Problem(omega, force, inside, targets, own, live, poles, shift)
-        tried.append((problem.fit(1)[1], problem))
-        if tried[-1][0] <= GAIN * target:
+    best, ends = None, targets.omega[targets.data][[0, -1]]
+    bends = np.concatenate([w * np.array(b) for w, b in zip(ends, BENDS, strict=True)])
+    for shift, order in shifts:
+        poles = np.concatenate([impulse_poles(omega, force, shift, order), bends])
+        hopeless = np.inf if shift == shifts[-1][0] else HOPELESS * target
+        problem, error = _grown(_Problem(omega, force, inside, targets, own, live, poles, shift), target, hopeless)
+        if best is None or error < best[1]:
+            best = problem, error
+        if error <= target:
             break
-    enough = max(GAIN * target, 1.05 * min(e for e, _ in tried))
-    chosen = min((p for e, p in tried if e <= enough), key=lambda p: len(p.poles))
-    coefficients, worst = chosen.fit(ROUNDS)
-    return chosen.poles, coefficients, chosen.shift, worst
+    problem = best[0]
+    coefficients, worst, _ = problem.fit(ROUNDS)
+    return problem.poles, coefficients, problem.shift, worst
 
 
-def _candidates(omega, force, shifts, orders):
-    """Yield shift [s], order and poles to try, the cheapest first."""
-    known = {s: impulse_poles(omega, force, s) for s in shifts}
-    for order in orders:
-        for shift in shifts:
-            poles = known[shift](order)
-            if poles is not None:
-                yield shift, order, poles
+def _grown(problem: _Problem, target: float, hopeless: float) -> tuple[_Problem, float]:
+    """Return the problem with narrow poles where the error is largest, and that error; give up where it stays above `hopeless`."""
+    tried = []
+    for _ in range(MORE + 1):
+        _, error, where = problem.fit(FEW)
+        tried.append((error, problem))
+        if DEBUG: print("    ", problem.shift, len(problem.poles), round(100*error,2), round(where,3))
+        least = min(e for e, _ in tried)
+        stuck = len(tried) > PATIENCE and least > 0.9 * min(e for e, _ in tried[:-PATIENCE])
+        if error <= target or stuck or len(tried) > START and least > hopeless:
+            break
+        problem = problem.with_pole(_narrow(problem.poles, where))
+    error, problem = min(tried, key=lambda t: t[0])
+    return problem, error
 
 
-def impulse_poles(omega, force, shift: float):
-    """Return a function that gives the poles [rad/s] of a state space of some order for a force (n, l) late by the shift [s]; None
-    where the impulse response is shorter than that.
+def _narrow(poles, where: float) -> complex:
+    """Return a narrow pole at a frequency [rad/s], of another decay than those that are there already."""
+    choice = -NARROW * max(1.0, where / 2) * np.array(DECAYS) + 1j * where
+    return choice[np.argmax(np.abs(poles[:, None] - choice).min(axis=0) / -choice.real)]
+
+
+def impulse_poles(omega, force, shift: float, order: int) -> np.ndarray:
+    """Return the poles [rad/s], one of each pair, of a state space of some order for a force (n, l) at omega (n) late by the shift [s].
 
     The impulse response is sampled, what would come before zero left out, and realised by the singular values of its Hankel
     matrix (eigensystem realisation: Kung 1978; Juang and Pappa, J. Guidance 8(5), 1985).
@@ -177,39 +195,39 @@ def impulse_poles(omega, force, shift: float):
     rows = memory[np.add.outer(np.arange(count), np.arange(count))]  # (i, j, l): h[i + j]
     u, size, _ = np.linalg.svd(np.moveaxis(rows, 2, 1).reshape(count * width, count), full_matrices=False)
 
-    def poles(order: int):
-        if order >= count or size[order] < 1e-9 * size[0]:
-            return None
-        observed = u[:, :order] * np.sqrt(size[:order])
-        values = np.linalg.eigvals(np.linalg.lstsq(observed[:-width], observed[width:], rcond=None)[0]).astype(complex)
-        values = values[(values.imag > 1e-9) | ((np.abs(values.imag) <= 1e-9) & (values.real > 1e-6))]  # of each pair one, no alternation
-        found = np.log(values) / STEP
-        found = -np.maximum(-found.real, SLOWEST) + 1j * np.where(np.abs(found.imag) <= 1e-9, 0.0, found.imag)
-        return np.concatenate([-np.array(SLOW) + 0j, found])
-
-    return poles
+    order = min(order, int(np.sum(size > 1e-6 * size[0])))
+    observed = u[:, :order] * np.sqrt(size[:order])
+    values = np.linalg.eigvals(np.linalg.lstsq(observed[:-width], observed[width:], rcond=None)[0]).astype(complex)
+    real = np.abs(values.imag) <= 1e-9
+    found = np.log(values[real & (values.real > 1e-6) | ~real & (values.imag > 0)]) / STEP  # without what alternates from sample to sample
+    found = -np.maximum(-found.real, SLOWEST) + 1j * np.where(np.abs(found.imag) <= 1e-9, 0.0, found.imag)
+    return np.concatenate([-np.array(SLOW) + 0j, found])
 
 
 class _Problem:
     """The problem with given poles and shift [s]: linear in the coefficients."""
 
     def __init__(self, omega, force, inside, targets: Targets, own, live, poles, shift: float):
+        self.given, self.omega = (omega, force, inside, targets, own, live), targets.omega
         gain, late, count = targets.gain[..., live], force * np.exp(-1j * omega * shift)[:, None], len(live)
         self.shift, self.inside, self.poles = shift, inside, poles
-        basis = partial_fractions(1j * omega, poles)
-        self.size = np.linalg.norm(basis, axis=0)
-        basis, each = basis / self.size, basis.shape[1]
+        basis, self.back = _orthogonal(partial_fractions(1j * omega, poles))
+        each = basis.shape[1]
         self.basis = np.zeros((len(omega), 2 * count, count * each))  # real parts above imaginary parts of the forces
         for k in range(count):
             mine = slice(k * each, (k + 1) * each)
             self.basis[:, k, mine], self.basis[:, count + k, mine] = basis.real, basis.imag
         self.own, self.own_target = _real(own), _stacked(np.einsum("nij,nj->ni", own, late))
         turn = targets.share[..., None] * np.exp(1j * targets.omega * shift)[:, None, None]
-        self.rows, self.counts = _real(turn * gain, PHASE), targets.counts[:, None]
+        self.rows = _real(turn * gain, PHASE)
         self.level = np.concatenate([targets.share != 0, np.zeros(targets.share.shape)], axis=1)
 
-    def fit(self, rounds: int) -> tuple[np.ndarray, float]:
-        """Return coefficients (b, l) and the largest error of a response after some rounds of reweighting."""
+    def with_pole(self, pole: complex) -> _Problem:
+        """Return the problem with one pair of poles more."""
+        return _Problem(*self.given, np.append(self.poles, pole), self.shift)
+
+    def fit(self, rounds: int) -> tuple[np.ndarray, float, float]:
+        """Return coefficients (b, l) and the largest error of a response after some rounds of reweighting, and its frequency [rad/s]."""
         weight, best = np.ones(self.rows.shape[:2]), None
         for _ in range(rounds):
             a, b = self._weighted(weight)
@@ -217,20 +235,28 @@ class _Problem:
             a /= size
             normal = a.T @ a
             x = np.linalg.solve(normal + 1e-13 * np.trace(normal) / len(normal) * np.eye(len(normal)), a.T @ b) / size
-            error = self.counts * np.abs(np.einsum("nij,nj->ni", self.rows, self.basis[self.inside] @ x) - self.level)
+            error = np.abs(np.einsum("nij,nj->ni", self.rows, self.basis[self.inside] @ x) - self.level).max(axis=1)
             if best is None or error.max() < best[1]:
-                best = x, float(error.max())
-            weight = weight * (0.05 * error.max() + error.max(axis=1, keepdims=True)) ** 0.6
+                best = x, float(error.max()), float(self.omega[error.argmax()])
+            weight = weight * (0.05 * error.max() + error[:, None]) ** 0.6
             weight /= weight.mean()
-        return best[0].reshape(-1, len(self.size)).T / self.size[:, None], best[1]
+        return self.back @ best[0].reshape(-1, self.back.shape[1]).T, *best[1:]
 
     def _weighted(self, weight) -> tuple[np.ndarray, np.ndarray]:
         """Return matrix and right side of the least squares; the rows of each frequency are first reduced to as many as unknown forces."""
-        rows = np.concatenate([self.rows, self.level[..., None]], axis=2) * (weight * self.counts)[..., None]
+        rows = np.concatenate([self.rows, self.level[..., None]], axis=2) * weight[..., None]
         triangle = np.linalg.qr(rows, mode="r")
         blocks = [triangle[..., :-1] @ self.basis[self.inside], self.own @ self.basis]
         matrix = np.concatenate([block.reshape(-1, block.shape[-1]) for block in blocks])
         return matrix, np.concatenate([triangle[..., -1].ravel(), self.own_target.ravel()])
+
+
+def _orthogonal(basis) -> tuple[np.ndarray, np.ndarray]:
+    """Return an orthogonal basis (n, f), real and imaginary parts apart, of a basis (n, b), and the matrix (b, f) back to its coefficients."""
+    size = np.linalg.norm(basis, axis=0)
+    u, s, vt = np.linalg.svd(np.concatenate([basis.real, basis.imag]) / size, full_matrices=False)
+    kept = s > 1e-12 * s[0]
+    return u[: len(basis), kept] + 1j * u[len(basis) :, kept], vt[kept].T / s[kept] / size[:, None]
 
 
 def _real(matrix, phase: float = 1.0) -> np.ndarray:

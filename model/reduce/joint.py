@@ -16,8 +16,8 @@ from model.reduce.passivity import PASSIVE, Ports, check_grid, least_damping, ne
 from model.reduce.rational import RationalFit, admissible, columns, rational
 from model.reduce.targets import PHASE, Paths
 
-ALLOWED_PAIR, ALLOWED_RESPONSE = 0.009, 0.015  # of the peak; relative, phases counting by PHASE
-SLACK = 1.03  # what is allowed of a pair's error to start from, where that is larger
+ALLOWED_PAIR, ALLOWED_RESPONSE = 0.009, 0.012  # of the peak; relative, phases counting by PHASE
+SLACK = 0.85  # of a pair's error to start from is allowed, where that is larger
 ROUNDS = 12
 ENOUGH = 0.8  # of what is allowed
 LEAN = 0.01  # what errors between and beyond the data count beside those that are limited

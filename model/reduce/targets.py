@@ -14,10 +14,10 @@ from model.response.cummins import retardation_transform
 from model.response.loads import LinearOutputs
 from model.system.hydro import infinite_added_mass
 
-COARSE, UNKNOWN = 0.08, 0.25  # rad/s between data, and what errors count where they are further apart
 PHASE = 0.02 / np.radians(2.0)  # what an error of the phase [rad] counts beside a relative one of the magnitude
-LOSS, SHARP = 0.002, 0.3  # a resonance is too sharp to be followed where this hysteretic damping changes it by that much
+LOSS, SHARP = 0.0005, 0.3  # a resonance is too sharp to be followed where this hysteretic damping changes it by that much
 UNITS = ("m",) * 3 + ("rad",) * 3  # of the platform's motions
+ENDS = 1 + np.linspace(-0.02, 0.02, 17)  # of where the data begin and end
 FLANKS = 1 + np.array([-0.03, -0.015, -0.007, -0.003, 0.0, 0.003, 0.007, 0.015, 0.03])  # of a resonance, looked at besides
 
 
@@ -25,18 +25,16 @@ FLANKS = 1 + np.array([-0.03, -0.015, -0.007, -0.003, 0.0, 0.003, 0.007, 0.015, 
 class Targets:
     """Responses at omega (n) [rad/s] of those channels (c) that waves excite: gain complex (n, c, 6) is what a unit wave force does to
     them in the state space, share complex (n, c) one over the response of the frequency-domain model, zero where it is too small
-    to be compared; data (n) true at the frequencies of the hydrodynamic data, counts (n) what an error counts: less between data that
-    are more than COARSE apart and beyond them, where the data do not tell what there is.
+    to be compared; data (n) true at the frequencies of the hydrodynamic data.
     """
 
     omega: np.ndarray
     gain: np.ndarray
     share: np.ndarray
     data: np.ndarray
-    counts: np.ndarray
 
     def __post_init__(self):
-        freeze(self, omega=("n",), gain=("n", "c", 6), share=("n", "c"), counts=("n",))
+        freeze(self, omega=("n",), gain=("n", "c", 6), share=("n", "c"))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,11 +69,9 @@ class Paths:
 
     def targets(self, memory) -> Targets:
         """Return the responses to waves as targets of the wave force, for a state space whose radiation is K (n, 6, 6)."""
-        known = self.omega[self.data]
         return Targets(
-            omega=self.omega, gain=self.gain_with(memory)[:, self.by_waves], share=self.share[:, self.by_waves], data=self.data,
-            counts=np.where(self.data | resolved(self.omega, known), 1.0, UNKNOWN),
-        )  # fmt: skip
+            omega=self.omega, gain=self.gain_with(memory)[:, self.by_waves], share=self.share[:, self.by_waves], data=self.data
+        )
 
 
 def force_gain(system: System, mean: Equilibrium, outputs: LinearOutputs, drag_damping, omega) -> np.ndarray:
@@ -126,17 +122,11 @@ def paths(
     )  # fmt: skip
 
 
-def resolved(omega, data) -> np.ndarray:
-    """Return whether frequencies (n) [rad/s] are below data (k), or between data that are no more than COARSE apart."""
-    gap = np.concatenate([[0.0], np.diff(data), [np.inf]])
-    return gap[np.searchsorted(data, omega)] <= COARSE
-
-
 def _grid(data, band, natural, step: float) -> np.ndarray:
     """Return the frequencies (n) [rad/s] to look at."""
     edges = np.concatenate([band[:1], data, band[1:]])
     pieces = [np.linspace(a, b, 1 + int(np.ceil((b - a) / min(step, a / 12)))) for a, b in pairwise(edges)]
-    near = np.outer(np.asarray(natural, dtype=float), FLANKS).ravel()
+    near = np.concatenate([np.outer(np.asarray(natural, dtype=float), FLANKS).ravel(), np.outer(data[[0, -1]], ENDS).ravel()])
     return np.unique(np.concatenate([*pieces, near[(near > band[0]) & (near < band[1])]]))
 
 
