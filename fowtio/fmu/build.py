@@ -9,6 +9,7 @@ import tempfile
 import zipfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,7 @@ from model.system.hydro import headings_cover
 
 VERSIONS = ("2.0", "3.0")
 BAND = (2 * np.pi * 0.005, 2 * np.pi * 0.5)  # rad/s in which the fits aim at the responses
+CLOSE = 0.003  # rad/s between the frequencies at which the wave force is fitted
 SEA_STEP = 0.05  # rad/s, largest step of the internal sea's table of forces
 PLATFORMS = {
     "linux64": ("linux64", "x86_64-linux", ".so", ("gcc", "cc", "clang"), ("-fPIC",)),
@@ -139,15 +141,16 @@ def linearise(
     own = _own_part(response, column)
     matters = importance(point.outputs, own, point.modes.frequency, BAND)
     progress("fitting radiation")
-    responses = paths(
-        point.system, point.mean, point.outputs, response.drag_damping, lambda omega: waves.at(omega, column), BAND,
+    aims = partial(
+        paths, point.system, point.mean, point.outputs, response.drag_damping, lambda omega: waves.at(omega, column), BAND,
         data=model.hydro.omega, natural=point.modes.frequency,
     )  # fmt: skip
-    radiation = fit_radiation(point.system.hydro, matters, responses, data=model.hydro.omega)
+    radiation = fit_radiation(point.system.hydro, matters, aims(), data=model.hydro.omega)
     excitation = None
     if "elevation" in inputs:
         progress("fitting excitation")
-        excitation = fit_wave_force(waves, column, responses.targets(radiation(responses.omega)))
+        close = aims(step=CLOSE)
+        excitation = fit_wave_force(waves, column, close.targets(radiation(close.omega)))
     groups = {_SPACE_GROUPS[g] for g in inputs if entry.wind_speed > 0 or g not in ("wind", "turbulence")}
     space = state_space(
         point.system, point.mean, point.outputs, response.drag_damping, radiation, excitation=excitation,

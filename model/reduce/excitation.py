@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from model.conventions import PLATFORM_DOFS, freeze
-from model.reduce.rational import partial_fractions, realisation
+from model.reduce.rational import partial_fractions, pole_at, realisation
 from model.reduce.targets import PHASE, Targets
 from model.response.solve import Response
 from model.system.hydro import HydroCoefficients, excitation_at
@@ -24,12 +24,12 @@ MEMORY = 140.0  # s that the memory may last beyond the shift
 STEP = 0.9  # s between samples of the memory: up to 3.5 rad/s
 SLOW = (0.003, 0.01, 0.03, 0.1)  # 1/s: what the memory cannot hold, below the lowest frequency of the data
 SLOWEST = 2e-3  # 1/s, least decay of any other pole
-DEBUG = False
 BENDS = (-0.06 + 1j, -0.2 + 1j), (-0.005 + 1j, -0.015 + 1j, -0.04 + 1j)  # poles over the frequencies where the data begin and end
 MORE, PATIENCE = 24, 8  # poles added at most, and tried without a tenth of gain
-START, HOPELESS = 3, 3.0  # poles after which a shift is left when its error is still so many times the target
+START, HOPELESS = 3, 2.0  # poles after which a shift is left when its error is still so many times the target
 NARROW, DECAYS = 0.015, (1.0, 2.0, 0.7)  # rad/s up to 2 rad/s, then that share of it: decay of the poles added
 FEW, ROUNDS = 3, 12  # of reweighting, on the way and at the end
+LARGE = 0.7  # of the largest error: where it is larger, the fit looks closer
 OWN = 0.3  # what an error of a force relative to its own peak counts beside one of a response; a tenth of it outside the band
 
 
@@ -112,7 +112,7 @@ def fit_wave_force(waves: WaveForce, column: int, targets: Targets) -> Excitatio
     if not len(live):
         none = np.zeros(0)
         return ExcitationFit(a=np.zeros((0, 0)), b=none, c=np.zeros((6, 0)), shift=0.0, error=np.zeros(6), worst=0.0)
-    own = OWN * np.where(inside, 1.0, 0.1)[:, None, None] * np.diag(1 / peak[live])
+    own = OWN * np.where(inside, 1.0, 0.1)[:, None] / peak[live]
     poles, found, shift, worst = fit_excitation(omega, force[:, live], inside, targets, own, live)
     a, b = realisation(poles)
     c = np.zeros((6, len(a)))
@@ -134,7 +134,7 @@ def fit_excitation(
     ----------
     omega : (n) [rad/s]; force : (n, l) complex, the degrees of freedom `live` of six; inside : (n) true where `targets` hold
     targets : the responses to be met with the force
-    own : (n, l, l) what an error of the force itself counts
+    own : (n, l) what an error of the force itself counts
     shifts : pairs of shift [s] and order, tried in turn; the first that reaches the target, else the best
 
     Poles are those of the late force's impulse response (`impulse_poles`), and narrow ones where the error is largest: where the data begin
@@ -162,20 +162,13 @@ def _grown(problem: _Problem, target: float, hopeless: float) -> tuple[_Problem,
     for _ in range(MORE + 1):
         _, error, where = problem.fit(FEW)
         tried.append((error, problem))
-        if DEBUG: print("    ", problem.shift, len(problem.poles), round(100*error,2), round(where,3))
         least = min(e for e, _ in tried)
         stuck = len(tried) > PATIENCE and least > 0.9 * min(e for e, _ in tried[:-PATIENCE])
-        if error <= target or stuck or len(tried) > START and least > hopeless:
+        if error <= target or stuck or (len(tried) > START and least > hopeless):
             break
-        problem = problem.with_pole(_narrow(problem.poles, where))
+        problem = problem.with_pole(pole_at(where, NARROW * max(1.0, where / 2) * np.array(DECAYS), problem.poles))
     error, problem = min(tried, key=lambda t: t[0])
     return problem, error
-
-
-def _narrow(poles, where: float) -> complex:
-    """Return a narrow pole at a frequency [rad/s], of another decay than those that are there already."""
-    choice = -NARROW * max(1.0, where / 2) * np.array(DECAYS) + 1j * where
-    return choice[np.argmax(np.abs(poles[:, None] - choice).min(axis=0) / -choice.real)]
 
 
 def impulse_poles(omega, force, shift: float, order: int) -> np.ndarray:
@@ -205,22 +198,20 @@ def impulse_poles(omega, force, shift: float, order: int) -> np.ndarray:
 
 
 class _Problem:
-    """The problem with given poles and shift [s]: linear in the coefficients."""
+    """The problem with given poles and shift [s]: linear in the coefficients. own (n, l) is what an error of each force counts itself.
+
+    Fitted at the frequencies of the data, at every third of the others, and where the error is large.
+    """
 
     def __init__(self, omega, force, inside, targets: Targets, own, live, poles, shift: float):
         self.given, self.omega = (omega, force, inside, targets, own, live), targets.omega
-        gain, late, count = targets.gain[..., live], force * np.exp(-1j * omega * shift)[:, None], len(live)
-        self.shift, self.inside, self.poles = shift, inside, poles
-        basis, self.back = _orthogonal(partial_fractions(1j * omega, poles))
-        each = basis.shape[1]
-        self.basis = np.zeros((len(omega), 2 * count, count * each))  # real parts above imaginary parts of the forces
-        for k in range(count):
-            mine = slice(k * each, (k + 1) * each)
-            self.basis[:, k, mine], self.basis[:, count + k, mine] = basis.real, basis.imag
-        self.own, self.own_target = _real(own), _stacked(np.einsum("nij,nj->ni", own, late))
+        self.shift, self.poles, self.inside = shift, poles, np.flatnonzero(inside)
+        self.basis, self.back = _orthogonal(partial_fractions(1j * omega, poles))
         turn = targets.share[..., None] * np.exp(1j * targets.omega * shift)[:, None, None]
-        self.rows = _real(turn * gain, PHASE)
+        self.rows = _real(turn * targets.gain[..., live], PHASE)
         self.level = np.concatenate([targets.share != 0, np.zeros(targets.share.shape)], axis=1)
+        self.always = targets.data | (np.arange(len(self.omega)) % 3 == 0)
+        self.own = self._own_rows(force * np.exp(-1j * omega * shift)[:, None], own)
 
     def with_pole(self, pole: complex) -> _Problem:
         """Return the problem with one pair of poles more."""
@@ -228,27 +219,45 @@ class _Problem:
 
     def fit(self, rounds: int) -> tuple[np.ndarray, float, float]:
         """Return coefficients (b, l) and the largest error of a response after some rounds of reweighting, and its frequency [rad/s]."""
-        weight, best = np.ones(self.rows.shape[:2]), None
+        weight, best, use = np.ones(len(self.omega)), None, self.always
         for _ in range(rounds):
-            a, b = self._weighted(weight)
+            a, b = self._equations(weight, use)
             size = np.maximum(np.linalg.norm(a, axis=0), 1e-300)
             a /= size
             normal = a.T @ a
             x = np.linalg.solve(normal + 1e-13 * np.trace(normal) / len(normal) * np.eye(len(normal)), a.T @ b) / size
-            error = np.abs(np.einsum("nij,nj->ni", self.rows, self.basis[self.inside] @ x) - self.level).max(axis=1)
+            error = self._errors(x)
             if best is None or error.max() < best[1]:
                 best = x, float(error.max()), float(self.omega[error.argmax()])
-            weight = weight * (0.05 * error.max() + error[:, None]) ** 0.6
-            weight /= weight.mean()
+            weight *= (0.05 * error.max() + error) ** 0.6
+            weight /= weight[self.always].mean()
+            use = self.always | (error > LARGE * error.max())
         return self.back @ best[0].reshape(-1, self.back.shape[1]).T, *best[1:]
 
-    def _weighted(self, weight) -> tuple[np.ndarray, np.ndarray]:
+    def _errors(self, x) -> np.ndarray:
+        """Return the largest error of the responses (n)."""
+        force = self.basis[self.inside] @ x.reshape(-1, self.back.shape[1]).T
+        return np.abs(np.einsum("nij,nj->ni", self.rows, np.concatenate([force.real, force.imag], axis=1)) - self.level).max(axis=1)
+
+    def _equations(self, weight, use) -> tuple[np.ndarray, np.ndarray]:
         """Return matrix and right side of the least squares; the rows of each frequency are first reduced to as many as unknown forces."""
-        rows = np.concatenate([self.rows, self.level[..., None]], axis=2) * weight[..., None]
+        rows = np.concatenate([self.rows[use], self.level[use][..., None]], axis=2) * weight[use, None, None]
         triangle = np.linalg.qr(rows, mode="r")
-        blocks = [triangle[..., :-1] @ self.basis[self.inside], self.own @ self.basis]
-        matrix = np.concatenate([block.reshape(-1, block.shape[-1]) for block in blocks])
-        return matrix, np.concatenate([triangle[..., -1].ravel(), self.own_target.ravel()])
+        matrix = self._spread(triangle[..., :-1], self.basis[self.inside[use]])
+        return np.concatenate([matrix, self.own[0]]), np.concatenate([triangle[..., -1].ravel(), self.own[1]])
+
+    def _spread(self, rows, basis) -> np.ndarray:
+        """Return rows (n, k, 2 l) on forces, real parts first, as rows (n k, l f) on their coefficients, with a basis (n, f)."""
+        count = rows.shape[2] // 2
+        parts = [rows[..., j, None] * basis.real[:, None] + rows[..., count + j, None] * basis.imag[:, None] for j in range(count)]
+        return np.concatenate(parts, axis=2).reshape(-1, count * basis.shape[1])
+
+    def _own_rows(self, late, own) -> tuple[np.ndarray, np.ndarray]:
+        """Return rows and right side of the forces' own errors, at every third frequency inside and all outside."""
+        use = np.ones(len(late), dtype=bool)
+        use[self.inside[~self.always]] = False
+        rows = _real(own[use, :, None] * np.eye(late.shape[1]))
+        return self._spread(rows, self.basis[use]), np.einsum("nij,nj->ni", rows, _stacked(late[use])).ravel()
 
 
 def _orthogonal(basis) -> tuple[np.ndarray, np.ndarray]:

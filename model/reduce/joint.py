@@ -13,13 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.reduce.passivity import PASSIVE, Ports, check_grid, least_damping, nearest_passive, realise
-from model.reduce.rational import RationalFit, admissible, columns, rational
+from model.reduce.rational import RationalFit, admissible, columns, pole_at, rational
 from model.reduce.targets import PHASE, Paths
 
 ALLOWED_PAIR, ALLOWED_RESPONSE = 0.009, 0.012  # of the peak; relative, phases counting by PHASE
 SLACK = 0.85  # of a pair's error to start from is allowed, where that is larger
 ROUNDS = 12
 ENOUGH = 0.8  # of what is allowed
+GROWTH = 8  # poles added at most
+DECAYS = (0.05, 0.15, 0.1, 0.03)  # of the poles added, relative to their frequency
 LEAN = 0.01  # what errors between and beyond the data count beside those that are limited
 
 
@@ -49,18 +51,28 @@ def meet_responses(
     if not fits:
         return [], 0.0
     problem = _Joint(fits, blocks, known, _nothing() if paths is None else paths)
-    z, planes, weights = problem.start, None, problem.even_weights()
-    best, worst = None, np.inf
+    tried = [(problem, *_lawson(problem))]
+    while tried[-1][2].worst > 1 and len(tried) <= GROWTH:
+        problem, (z, _), found = tried[-1]
+        problem = problem.with_pole(z, *problem.where(z, found))
+        tried.append((problem, *_lawson(problem)))
+    problem, best, _ = min(tried, key=lambda t: t[2].worst)
+    return _exactly_passive(problem, *best)
+
+
+def _lawson(problem: _Joint) -> tuple[tuple, _Errors]:
+    """Return the coefficients with the smallest largest error and the equations that gave them, and their errors."""
+    z, planes, weights, best = problem.start, None, problem.even_weights(), None
     for _ in range(ROUNDS):
         equations = problem.equations(z, *weights)
         z, planes = _solve(*equations, problem.ports, planes)
         found = problem.errors(z)
-        if found.worst < worst:
-            best, worst = (z, equations), found.worst
-        if worst < ENOUGH:
+        if best is None or found.worst < best[1].worst:
+            best = (z, equations), found
+        if found.worst < ENOUGH:
             break
         weights = _reweighted(weights, found)
-    return _exactly_passive(problem, *best)
+    return best
 
 
 def _exactly_passive(problem: _Joint, z, equations) -> tuple[list[RationalFit], float]:
@@ -100,8 +112,8 @@ class _Errors:
 class _Joint:
     """All pairs (p) of all blocks: where their coefficients stand among the unknowns, bases at the data and at the responses."""
 
-    def __init__(self, fits, blocks, known: KnownRadiation, paths: Paths):
-        self.first, self.known, self.paths = fits, known, paths
+    def __init__(self, fits, blocks, known: KnownRadiation, paths: Paths, allowed=None):
+        self.first, self.blocks, self.known, self.paths = fits, blocks, known, paths
         self.spaces = [admissible(f.poles, "fast") for f in fits]
         self.pairs, self.places, self.ports, self.checks, start, at = [], [], [], [], [], 0
         for f, space, block in zip(fits, self.spaces, blocks, strict=True):
@@ -121,8 +133,28 @@ class _Joint:
         self.k = known.k[:, self.i, self.j]
         self.peak = np.abs(self.k[known.nodes]).max(axis=0)
         own = np.abs(self._memory(self.start, self.here) - self.k)[known.nodes].max(axis=0) / self.peak
-        self.allowed = np.maximum(ALLOWED_PAIR, SLACK * own)
+        self.allowed = np.maximum(ALLOWED_PAIR, SLACK * own) if allowed is None else allowed
         self.lean = self._lean_rows()
+
+    def where(self, z, found: _Errors) -> tuple[int, float]:
+        """Return the block and the frequency [rad/s] of the largest error."""
+        owner = np.concatenate([[b] * (len(block) * (len(block) + 1) // 2) for b, block in enumerate(self.blocks)])
+        if found.pair.max() >= found.response.max():
+            node, pair = np.unravel_index(found.pair.argmax(), found.pair.shape)
+            return int(owner[pair]), float(self.known.omega[self.known.nodes][node])
+        n, r = np.unravel_index(found.response.argmax(), found.response.shape)
+        slope, change = self._slope(z)
+        share = np.abs(slope[n, r % slope.shape[1]] * change[n])
+        return int(np.argmax(np.bincount(owner, share))), float(self.paths.omega[n])
+
+    def with_pole(self, z, block: int, omega: float) -> _Joint:
+        """Return the problem with one pair of poles more in a block, starting from coefficients z."""
+        fits = self.fits(z)
+        old = fits[block]
+        pole = pole_at(omega, omega * np.array(DECAYS), old.poles)
+        more = np.concatenate([old.coefficients, np.zeros((2, old.coefficients.shape[1]))])
+        fits[block] = replace(old, poles=np.append(old.poles, pole), coefficients=more)
+        return _Joint(fits, self.blocks, self.known, self.paths, self.allowed)
 
     def even_weights(self) -> tuple[np.ndarray, np.ndarray]:
         """Return weights of responses (n, 2 r) and pairs (k, p)."""

@@ -130,6 +130,12 @@ def relocate(omega, values, weight, poles, kind: str) -> np.ndarray:
     return stable(np.linalg.eigvals(a - np.outer(b, solution[:-1]) / constant))
 
 
+def pole_at(omega: float, decays, poles) -> complex:
+    """Return a pole at a frequency [rad/s] with that of the decays (k) [rad/s] that is furthest from the poles there are, relative to itself."""
+    choice = -np.asarray(decays) + 1j * omega
+    return choice[np.argmax(np.abs(np.asarray(poles)[:, None] - choice).min(axis=0) / -choice.real)]
+
+
 def stable(values) -> np.ndarray:
     """Return poles, one of each pair, mirrored to the left and with at least LEAST_DAMPING of their modulus as decay."""
     values = np.asarray(values, dtype=complex)

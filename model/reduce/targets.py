@@ -125,7 +125,7 @@ def paths(
 def _grid(data, band, natural, step: float) -> np.ndarray:
     """Return the frequencies (n) [rad/s] to look at."""
     edges = np.concatenate([band[:1], data, band[1:]])
-    pieces = [np.linspace(a, b, 1 + int(np.ceil((b - a) / min(step, a / 12)))) for a, b in pairwise(edges)]
+    pieces = [np.linspace(a, b, 1 + int(np.ceil((b - a) / min(step, 8 * step * a)))) for a, b in pairwise(edges)]
     near = np.concatenate([np.outer(np.asarray(natural, dtype=float), FLANKS).ravel(), np.outer(data[[0, -1]], ENDS).ravel()])
     return np.unique(np.concatenate([*pieces, near[(near > band[0]) & (near < band[1])]]))
 

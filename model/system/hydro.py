@@ -116,6 +116,7 @@ def tabulated(hydro: HydroCoefficients) -> HydroCoefficients:
 
 
 LOW_FREQUENCY = ("hold", "hydrostatic")
+FADE = 0.1  # rad/s within which the slope of the excitation fades beyond the data
 
 
 def radiation_at(hydro: HydroCoefficients, omega) -> tuple[np.ndarray, np.ndarray]:
@@ -142,8 +143,8 @@ def excitation_at(hydro: HydroCoefficients, omega, heading, *, low_frequency: st
 
     Linear in frequency and heading, real and imaginary parts apart, as OpenFAST's HydroDyn does. Below the lowest
     frequency of the data `low_frequency` = "hold" keeps the lowest value, as HydroDyn does, and "hydrostatic"
-    goes linearly to the hydrostatic limit C[:, 2]; above the highest the excitation falls as omega^-2. What members outside
-    the potential flow add is not interpolated.
+    goes linearly to the hydrostatic limit C[:, 2]; above the highest the excitation falls as omega^-2, after its slope there has faded
+    within FADE. What members outside the potential flow add is not interpolated.
     Raises ValueError for a heading outside the data.
     """
     if hydro.excitation is None:
@@ -163,12 +164,21 @@ def excitation_at(hydro: HydroCoefficients, omega, heading, *, low_frequency: st
     index, weight = _bracket(grid, np.minimum(omega, grid[-1]))
     beyond = np.minimum(1.0, grid[-1] / np.maximum(omega, 1e-12)) ** 2
     w = weight[:, None]
-    potential = ((1 - w) * values[..., index, :] + w * values[..., index + 1, :]) * beyond[:, None]
+    potential = ((1 - w) * values[..., index, :] + w * values[..., index + 1, :] + _run_out(grid, values, omega)) * beyond[:, None]
     if hydro.members is None:
         return potential
     return potential + wave_force_on(
         hydro.members, omega, heading, density=hydro.density, gravity=hydro.gravity, depth=hydro.depth, reference=hydro.reference_point
     )  # fmt: skip
+
+
+def _run_out(grid, values, omega) -> np.ndarray | float:
+    """Return what the slope at the last of the frequencies grid (n) adds to values (..., n, 6) beyond, so that there is no bend."""
+    more = np.maximum(omega - grid[-1], 0.0)
+    if not np.any(more) or len(grid) < 3:
+        return 0.0
+    slope = (values[..., -1, :] - values[..., -2, :]) / (grid[-1] - grid[-2]) + 2 * values[..., -1, :] / grid[-1]
+    return slope[..., None, :] * (FADE * -np.expm1(-more / FADE))[:, None]
 
 
 def refined(hydro: HydroCoefficients, step: float = 0.0125) -> HydroCoefficients:
