@@ -13,23 +13,22 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from model.conventions import PLATFORM_DOFS, freeze
-from model.reduce.rational import partial_fractions, pole_at, realisation
+from model.reduce.rational import orthogonal, partial_fractions, pole_at, realisation
 from model.reduce.targets import PHASE, Targets
 from model.response.solve import Response
 from model.system.hydro import HydroCoefficients, excitation_at
 
-TARGET = 0.0125  # of any response; see Targets for what a phase counts
-SHIFTS = ((20.0, 48), (40.0, 72), (60.0, 96))  # s, and orders of the memory, tried in turn
+TARGET = 0.0145  # of any response; see Targets for what a phase counts
+SHIFTS = ((20.0, 48), (40.0, 72), (60.0, 108))  # s, and orders of the memory, tried in turn
 MEMORY = 140.0  # s that the memory may last beyond the shift
 STEP = 0.9  # s between samples of the memory: up to 3.5 rad/s
 SLOW = (0.003, 0.01, 0.03, 0.1)  # 1/s: what the memory cannot hold, below the lowest frequency of the data
 SLOWEST = 2e-3  # 1/s, least decay of any other pole
 BENDS = (-0.06 + 1j, -0.2 + 1j), (-0.005 + 1j, -0.015 + 1j, -0.04 + 1j)  # poles over the frequencies where the data begin and end
-MORE, PATIENCE = 24, 8  # poles added at most, and tried without a tenth of gain
+MORE, PATIENCE = 20, 6  # poles added at most, and tried without a tenth of gain
 START, HOPELESS = 3, 2.0  # poles after which a shift is left when its error is still so many times the target
 NARROW, DECAYS = 0.015, (1.0, 2.0, 0.7)  # rad/s up to 2 rad/s, then that share of it: decay of the poles added
 FEW, ROUNDS = 3, 12  # of reweighting, on the way and at the end
-LARGE = 0.7  # of the largest error: where it is larger, the fit looks closer
 OWN = 0.3  # what an error of a force relative to its own peak counts beside one of a response; a tenth of it outside the band
 
 
@@ -198,19 +197,15 @@ def impulse_poles(omega, force, shift: float, order: int) -> np.ndarray:
 
 
 class _Problem:
-    """The problem with given poles and shift [s]: linear in the coefficients. own (n, l) is what an error of each force counts itself.
-
-    Fitted at the frequencies of the data, at every third of the others, and where the error is large.
-    """
+    """The problem with given poles and shift [s]: linear in the coefficients. own (n, l) is what an error of each force counts itself."""
 
     def __init__(self, omega, force, inside, targets: Targets, own, live, poles, shift: float):
         self.given, self.omega = (omega, force, inside, targets, own, live), targets.omega
         self.shift, self.poles, self.inside = shift, poles, np.flatnonzero(inside)
-        self.basis, self.back = _orthogonal(partial_fractions(1j * omega, poles))
+        self.basis, self.back = orthogonal(partial_fractions(1j * omega, poles))
         turn = targets.share[..., None] * np.exp(1j * targets.omega * shift)[:, None, None]
         self.rows = _real(turn * targets.gain[..., live], PHASE)
         self.level = np.concatenate([targets.share != 0, np.zeros(targets.share.shape)], axis=1)
-        self.always = targets.data | (np.arange(len(self.omega)) % 3 == 0)
         self.own = self._own_rows(force * np.exp(-1j * omega * shift)[:, None], own)
 
     def with_pole(self, pole: complex) -> _Problem:
@@ -219,9 +214,9 @@ class _Problem:
 
     def fit(self, rounds: int) -> tuple[np.ndarray, float, float]:
         """Return coefficients (b, l) and the largest error of a response after some rounds of reweighting, and its frequency [rad/s]."""
-        weight, best, use = np.ones(len(self.omega)), None, self.always
+        weight, best = np.ones(len(self.omega)), None
         for _ in range(rounds):
-            a, b = self._equations(weight, use)
+            a, b = self._equations(weight)
             size = np.maximum(np.linalg.norm(a, axis=0), 1e-300)
             a /= size
             normal = a.T @ a
@@ -230,8 +225,7 @@ class _Problem:
             if best is None or error.max() < best[1]:
                 best = x, float(error.max()), float(self.omega[error.argmax()])
             weight *= (0.05 * error.max() + error) ** 0.6
-            weight /= weight[self.always].mean()
-            use = self.always | (error > LARGE * error.max())
+            weight /= weight.mean()
         return self.back @ best[0].reshape(-1, self.back.shape[1]).T, *best[1:]
 
     def _errors(self, x) -> np.ndarray:
@@ -239,11 +233,11 @@ class _Problem:
         force = self.basis[self.inside] @ x.reshape(-1, self.back.shape[1]).T
         return np.abs(np.einsum("nij,nj->ni", self.rows, np.concatenate([force.real, force.imag], axis=1)) - self.level).max(axis=1)
 
-    def _equations(self, weight, use) -> tuple[np.ndarray, np.ndarray]:
+    def _equations(self, weight) -> tuple[np.ndarray, np.ndarray]:
         """Return matrix and right side of the least squares; the rows of each frequency are first reduced to as many as unknown forces."""
-        rows = np.concatenate([self.rows[use], self.level[use][..., None]], axis=2) * weight[use, None, None]
+        rows = np.concatenate([self.rows, self.level[..., None]], axis=2) * weight[:, None, None]
         triangle = np.linalg.qr(rows, mode="r")
-        matrix = self._spread(triangle[..., :-1], self.basis[self.inside[use]])
+        matrix = self._spread(triangle[..., :-1], self.basis[self.inside])
         return np.concatenate([matrix, self.own[0]]), np.concatenate([triangle[..., -1].ravel(), self.own[1]])
 
     def _spread(self, rows, basis) -> np.ndarray:
@@ -255,17 +249,9 @@ class _Problem:
     def _own_rows(self, late, own) -> tuple[np.ndarray, np.ndarray]:
         """Return rows and right side of the forces' own errors, at every third frequency inside and all outside."""
         use = np.ones(len(late), dtype=bool)
-        use[self.inside[~self.always]] = False
+        use[self.inside[np.arange(len(self.inside)) % 3 > 0]] = False
         rows = _real(own[use, :, None] * np.eye(late.shape[1]))
         return self._spread(rows, self.basis[use]), np.einsum("nij,nj->ni", rows, _stacked(late[use])).ravel()
-
-
-def _orthogonal(basis) -> tuple[np.ndarray, np.ndarray]:
-    """Return an orthogonal basis (n, f), real and imaginary parts apart, of a basis (n, b), and the matrix (b, f) back to its coefficients."""
-    size = np.linalg.norm(basis, axis=0)
-    u, s, vt = np.linalg.svd(np.concatenate([basis.real, basis.imag]) / size, full_matrices=False)
-    kept = s > 1e-12 * s[0]
-    return u[: len(basis), kept] + 1j * u[len(basis) :, kept], vt[kept].T / s[kept] / size[:, None]
 
 
 def _real(matrix, phase: float = 1.0) -> np.ndarray:

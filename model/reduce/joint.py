@@ -13,15 +13,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.reduce.passivity import PASSIVE, Ports, check_grid, least_damping, nearest_passive, realise
-from model.reduce.rational import RationalFit, admissible, columns, pole_at, rational
+from model.reduce.rational import RationalFit, admissible, columns, orthogonal, pole_at, rational
 from model.reduce.targets import PHASE, Paths
 
 ALLOWED_PAIR, ALLOWED_RESPONSE = 0.009, 0.012  # of the peak; relative, phases counting by PHASE
 SLACK = 0.85  # of a pair's error to start from is allowed, where that is larger
-ROUNDS = 12
+ROUNDS, FEW = 12, 6  # of reweighting, with the poles to start from and with more
 ENOUGH = 0.8  # of what is allowed
 GROWTH = 8  # poles added at most
-DECAYS = (0.05, 0.15, 0.1, 0.03)  # of the poles added, relative to their frequency
+DECAYS = (0.05, 0.15, 0.1)  # of the poles added, relative to their frequency
+LIGHT = 0.003  # least weight beside the largest, so that nothing is let go
 LEAN = 0.01  # what errors between and beyond the data count beside those that are limited
 
 
@@ -51,19 +52,21 @@ def meet_responses(
     if not fits:
         return [], 0.0
     problem = _Joint(fits, blocks, known, _nothing() if paths is None else paths)
-    tried = [(problem, *_lawson(problem))]
-    while tried[-1][2].worst > 1 and len(tried) <= GROWTH:
-        problem, (z, _), found = tried[-1]
-        problem = problem.with_pole(z, *problem.where(z, found))
-        tried.append((problem, *_lawson(problem)))
-    problem, best, _ = min(tried, key=lambda t: t[2].worst)
+    weights, tried = problem.even_weights(), []
+    for k in range(GROWTH + 1):
+        best, found, weights = _lawson(problem, weights, FEW if k else ROUNDS)
+        tried.append((found.worst, problem, best))
+        if found.worst <= 1:
+            break
+        problem = problem.with_pole(best[0], *problem.where(best[0], found))
+    _, problem, best = min(tried, key=lambda t: t[0])
     return _exactly_passive(problem, *best)
 
 
-def _lawson(problem: _Joint) -> tuple[tuple, _Errors]:
-    """Return the coefficients with the smallest largest error and the equations that gave them, and their errors."""
-    z, planes, weights, best = problem.start, None, problem.even_weights(), None
-    for _ in range(ROUNDS):
+def _lawson(problem: _Joint, weights, rounds: int) -> tuple[tuple, _Errors, tuple]:
+    """Return the coefficients with the smallest largest error and the equations that gave them, their errors, and weights to go on with."""
+    z, planes, best = problem.start, None, None
+    for _ in range(rounds):
         equations = problem.equations(z, *weights)
         z, planes = _solve(*equations, problem.ports, planes)
         found = problem.errors(z)
@@ -72,7 +75,7 @@ def _lawson(problem: _Joint) -> tuple[tuple, _Errors]:
         if found.worst < ENOUGH:
             break
         weights = _reweighted(weights, found)
-    return best
+    return *best, weights
 
 
 def _exactly_passive(problem: _Joint, z, equations) -> tuple[list[RationalFit], float]:
@@ -115,16 +118,17 @@ class _Joint:
     def __init__(self, fits, blocks, known: KnownRadiation, paths: Paths, allowed=None):
         self.first, self.blocks, self.known, self.paths = fits, blocks, known, paths
         self.spaces = [admissible(f.poles, "fast") for f in fits]
+        both = np.concatenate([known.omega, paths.omega])
+        self.turns = [orthogonal(self._basis_of(both, k))[1] for k in range(len(fits))]
         self.pairs, self.places, self.ports, self.checks, start, at = [], [], [], [], [], 0
-        for f, space, block in zip(fits, self.spaces, blocks, strict=True):
-            free = np.concatenate([space.T @ f.coefficients, f.constant[None]])
+        for b, (f, block) in enumerate(zip(fits, blocks, strict=True)):
+            free = np.linalg.lstsq(self.turns[b], np.concatenate([self.spaces[b].T @ f.coefficients, f.constant[None]]), rcond=None)[0]
             each, count = free.shape
             self.pairs += [(block[i], block[j]) for i, j in zip(*np.triu_indices(len(block)), strict=True)]
             self.places += [slice(at + k * each, at + (k + 1) * each) for k in range(count)]
             scale = np.sqrt(np.abs(known.k[known.nodes][:, block, block]).max(axis=0))
             self.checks.append(check_grid(f.poles, known.omega))
-            rows = self._block_basis(self.checks[-1], f, space).real
-            self.ports.append(Ports(rows, scale, slice(at, at + free.size)))
+            self.ports.append(Ports(self._turned(self.checks[-1], b).real, scale, slice(at, at + free.size)))
             start.append(free.T.ravel())
             at += free.size
         self.start, self.count = np.concatenate(start), at
@@ -192,27 +196,28 @@ class _Joint:
     def fits(self, z) -> list[RationalFit]:
         """Return the fits of the blocks with coefficients z."""
         out = []
-        for f, space, ports in zip(self.first, self.spaces, self.ports, strict=True):
+        for f, space, turn, ports in zip(self.first, self.spaces, self.turns, self.ports, strict=True):
             pairs = len(ports.scale) * (len(ports.scale) + 1) // 2
-            out.append(rational(f.poles, space, z[ports.place].reshape(pairs, -1).T, "fast"))
+            out.append(rational(f.poles, space, turn @ z[ports.place].reshape(pairs, -1).T, "fast"))
         return out
 
     def look_at(self, block: int, more: Sequence[float]) -> Ports:
         """Return the ports of a block with more frequencies [rad/s] in its check grid, which stay there."""
         self.checks[block] = np.union1d(self.checks[block], more)
-        rows = self._block_basis(self.checks[block], self.first[block], self.spaces[block]).real
-        self.ports[block] = replace(self.ports[block], rows=rows)
+        self.ports[block] = replace(self.ports[block], rows=self._turned(self.checks[block], block).real)
         return self.ports[block]
 
-    @staticmethod
-    def _block_basis(omega, found: RationalFit, space) -> np.ndarray:
-        """Return K (n, f) per coefficient of G."""
-        return 1j * omega[:, None] * columns(1j * omega, found.poles, space, "fast")
+    def _basis_of(self, omega, block: int) -> np.ndarray:
+        """Return K (n, f) of a block per coefficient of G."""
+        return 1j * omega[:, None] * columns(1j * omega, self.first[block].poles, self.spaces[block], "fast")
+
+    def _turned(self, omega, block: int) -> np.ndarray:
+        """Return K (n, f) of a block per unknown."""
+        return self._basis_of(omega, block) @ self.turns[block]
 
     def _basis(self, omega) -> list[np.ndarray]:
-        """Return K (n, f) per coefficient for each pair."""
-        each = [(self._block_basis(omega, f, s), len(p.scale)) for f, s, p in zip(self.first, self.spaces, self.ports, strict=True)]
-        return [basis for basis, m in each for _ in range(m * (m + 1) // 2)]
+        """Return K (n, f) per unknown for each pair."""
+        return [basis for k, block in enumerate(self.blocks) for basis in [self._turned(omega, k)] * (len(block) * (len(block) + 1) // 2)]
 
     def _memory(self, z, bases) -> np.ndarray:
         """Return K (n, p) of the pairs."""
@@ -248,9 +253,12 @@ class _Joint:
 def _solve(matrix, target, ports, planes) -> tuple[np.ndarray, np.ndarray]:
     """Return the passive least-squares coefficients and the planes that hold them."""
     size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
-    q, r = np.linalg.qr(matrix / size)
-    inverse = np.linalg.pinv(r, rcond=1e-10) / size[:, None]
-    z, planes, _ = nearest_passive(inverse @ (q.T @ target), inverse, ports, planes)
+    matrix = matrix / size
+    values, vectors = np.linalg.eigh(matrix.T @ matrix)
+    kept = values > 1e-13 * values[-1]
+    root = vectors[:, kept] / np.sqrt(values[kept])
+    free, root = root @ (root.T @ (matrix.T @ target)) / size, root / size[:, None]
+    z, planes, _ = nearest_passive(free, root, ports, planes)
     return z, planes
 
 
@@ -258,4 +266,4 @@ def _reweighted(weights, found: _Errors) -> tuple[np.ndarray, np.ndarray]:
     """Return weights that grow where errors are large."""
     grown = [w * (0.05 * found.worst + e) ** 0.6 for w, e in zip(weights, (found.response, found.pair), strict=True)]
     largest = max(w.max(initial=0.0) for w in grown)
-    return grown[0] / largest, grown[1] / largest
+    return tuple(np.maximum(w / largest, LIGHT) for w in grown)

@@ -136,6 +136,14 @@ def pole_at(omega: float, decays, poles) -> complex:
     return choice[np.argmax(np.abs(np.asarray(poles)[:, None] - choice).min(axis=0) / -choice.real)]
 
 
+def orthogonal(basis) -> tuple[np.ndarray, np.ndarray]:
+    """Return an orthogonal basis (n, f), real and imaginary parts apart, of a basis (n, b), and the matrix (b, f) back to its coefficients."""
+    size = np.linalg.norm(basis, axis=0)
+    u, s, vt = np.linalg.svd(np.concatenate([basis.real, basis.imag]) / size, full_matrices=False)
+    kept = s > 1e-12 * s[0]
+    return u[: len(basis), kept] + 1j * u[len(basis) :, kept], vt[kept].T / s[kept] / size[:, None]
+
+
 def stable(values) -> np.ndarray:
     """Return poles, one of each pair, mirrored to the left and with at least LEAST_DAMPING of their modulus as decay."""
     values = np.asarray(values, dtype=complex)
