@@ -41,7 +41,7 @@ from model.system.hydro import headings_cover
 
 VERSIONS = ("2.0", "3.0")
 BAND = (2 * np.pi * 0.005, 2 * np.pi * 0.5)  # rad/s in which the fits aim at the responses
-CLOSE = 0.004  # rad/s between the frequencies at which the wave force is fitted
+CLOSE = 0.003  # rad/s between the frequencies at which the wave force is fitted
 SEA_STEP = 0.05  # rad/s, largest step of the internal sea's table of forces
 PLATFORMS = {
     "linux64": ("linux64", "x86_64-linux", ".so", ("gcc", "cc", "clang"), ("-fPIC",)),

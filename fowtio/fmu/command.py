@@ -9,10 +9,12 @@ import typer
 
 from fowtio import terminal
 from fowtio.errors import ModelError
-from fowtio.fmu.build import VERSIONS, Exported, export_fmu
+from fowtio.fmu.build import VERSIONS, Exported, Linearised, export_fmu
 from fowtio.fmu.check import Finding, check_fmu
 from fowtio.fmu.describe import GROUPS
 from fowtio.fmu.simulate import Simulation, simulate, write_simulation
+from model.conventions import PLATFORM_DOFS
+from model.reduce.radiation import least_error
 
 _FMI = {"2": ("2.0",), "2.0": ("2.0",), "3": ("3.0",), "3.0": ("3.0",), "both": VERSIONS}
 
@@ -100,16 +102,27 @@ def _rows(written: Exported) -> list[tuple[str, str]]:
         ("states", f"{found.space.order}" + (f", error bound of the reduction {found.reduction_bound:.2g}" if found.reduction_bound else "")),
         ("inputs", ", ".join(v.name for v in d.of_kind("input")) or "none"),
         ("radiation", "; ".join(f"{' and '.join(b)}: {o} poles" for b, o in zip(radiation.blocks, radiation.orders, strict=True))),
-        ("radiation fit", f"largest error {100 * radiation.largest_error:.2f} % of a pair's peak; least damping {radiation.least_damping[1]:.1e} of the peak"),
+        ("radiation fit", _radiation_words(found)),
     ]  # fmt: skip
     if excitation is not None:
         rows.append(
             (
                 "excitation fit",
-                f"{len(excitation.a)} states, {excitation.shift:g} s late; largest error {100 * excitation.error.max():.2f} % of a force's peak",
+                f"{len(excitation.a)} states, {excitation.shift:g} s late; largest error {100 * excitation.worst:.2f} % of a response",
             )
         )
     return rows
+
+
+def _radiation_words(found: Linearised) -> str:
+    """Return how well the radiation is fitted, and what any passive kernel would miss of a motion whose own error exceeds one per cent."""
+    radiation = found.radiation
+    out = f"largest error {100 * radiation.largest_error:.2f} % of a pair's peak; least damping {radiation.least_damping[1]:.1e} of the peak"
+    for k, dof in enumerate(PLATFORM_DOFS):
+        if radiation.error[k, k] > 0.01:
+            floor = least_error(found.point.system.hydro, k)
+            out += f"; {dof} {100 * radiation.error[k, k]:.2f} %, any passive kernel at least {100 * floor:.2f} %: its data contradict each other"
+    return out
 
 
 def _export_json(written: Exported, findings: Sequence[Finding]) -> dict:

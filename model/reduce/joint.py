@@ -16,11 +16,11 @@ from model.reduce.passivity import PASSIVE, Ports, check_grid, least_damping, ne
 from model.reduce.rational import RationalFit, admissible, columns, orthogonal, pole_at, rational
 from model.reduce.targets import PHASE, Paths
 
-ALLOWED_PAIR, ALLOWED_RESPONSE = 0.009, 0.012  # of the peak; relative, phases counting by PHASE
-SLACK = 0.85  # of a pair's error to start from is allowed, where that is larger
+ALLOWED_PAIR, ALLOWED_RESPONSE = 0.009, 0.013  # of the peak; relative, phases counting by PHASE
+SLACK = 0.77  # of a pair's error to start from is allowed, where that is larger
 ROUNDS, FEW = 12, 6  # of reweighting, with the poles to start from and with more
 ENOUGH = 0.8  # of what is allowed
-GROWTH = 8  # poles added at most
+GROWTH, PATIENCE = 10, 3  # poles added at most, and tried without gain before a pair is let be
 DECAYS = (0.05, 0.15, 0.1)  # of the poles added, relative to their frequency
 LIGHT = 0.003  # least weight beside the largest, so that nothing is let go
 LEAN = 0.01  # what errors between and beyond the data count beside those that are limited
@@ -52,30 +52,52 @@ def meet_responses(
     if not fits:
         return [], 0.0
     problem = _Joint(fits, blocks, known, _nothing() if paths is None else paths)
-    weights, tried = problem.even_weights(), []
-    for k in range(GROWTH + 1):
-        best, found, weights = _lawson(problem, weights, FEW if k else ROUNDS)
-        tried.append((found.worst, problem, best))
-        if found.worst <= 1:
+    weights = problem.even_weights()
+    best = _lawson(problem, weights, ROUNDS)
+    now, idle = best, 0
+    for _ in range(GROWTH):
+        if now.errors.worst <= 1:
             break
-        problem = problem.with_pole(best[0], *problem.where(best[0], found))
-    _, problem, best = min(tried, key=lambda t: t[0])
-    return _exactly_passive(problem, *best)
+        now = _lawson(now.problem.with_pole(now.z, *now.problem.where(now.z, now.errors)), now.weights, FEW)
+        idle = 0 if now.errors.worst < best.errors.worst else idle + 1
+        best = best if idle else now
+        if idle == PATIENCE:
+            now = best = best.relaxed()
+            idle = 0
+    return _exactly_passive(best.problem, best.z, best.equations)
 
 
-def _lawson(problem: _Joint, weights, rounds: int) -> tuple[tuple, _Errors, tuple]:
-    """Return the coefficients with the smallest largest error and the equations that gave them, their errors, and weights to go on with."""
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """Coefficients with the smallest largest error, the equations that gave them, their errors, and weights to go on with."""
+
+    problem: _Joint
+    z: np.ndarray
+    equations: tuple
+    errors: _Errors
+    weights: tuple
+
+    def relaxed(self) -> _Solved:
+        """Return the same where the pair that errs most is allowed to: more poles do not help it."""
+        pair = self.errors.pair.max(axis=0)
+        allowed = self.problem.allowed * np.where(pair == pair.max(), np.maximum(pair, 1.0), 1.0)
+        problem = self.problem.allowing(allowed)
+        return replace(self, problem=problem, errors=problem.errors(self.z))
+
+
+def _lawson(problem: _Joint, weights, rounds: int) -> _Solved:
+    """Return the best of some rounds of reweighting."""
     z, planes, best = problem.start, None, None
     for _ in range(rounds):
         equations = problem.equations(z, *weights)
         z, planes = _solve(*equations, problem.ports, planes)
         found = problem.errors(z)
-        if best is None or found.worst < best[1].worst:
-            best = (z, equations), found
+        if best is None or found.worst < best.errors.worst:
+            best = _Solved(problem, z, equations, found, weights)
         if found.worst < ENOUGH:
             break
         weights = _reweighted(weights, found)
-    return *best, weights
+    return replace(best, weights=weights)
 
 
 def _exactly_passive(problem: _Joint, z, equations) -> tuple[list[RationalFit], float]:
@@ -159,6 +181,10 @@ class _Joint:
         more = np.concatenate([old.coefficients, np.zeros((2, old.coefficients.shape[1]))])
         fits[block] = replace(old, poles=np.append(old.poles, pole), coefficients=more)
         return _Joint(fits, self.blocks, self.known, self.paths, self.allowed)
+
+    def allowing(self, allowed) -> _Joint:
+        """Return the problem with other errors of the pairs (p) allowed."""
+        return _Joint(self.first, self.blocks, self.known, self.paths, allowed)
 
     def even_weights(self) -> tuple[np.ndarray, np.ndarray]:
         """Return weights of responses (n, 2 r) and pairs (k, p)."""

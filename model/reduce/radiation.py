@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import block_diag
+from scipy.optimize import linprog
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -20,7 +21,7 @@ from model.reduce.joint import KnownRadiation, meet_responses
 from model.reduce.passivity import Ports, check_grid, nearest_passive, realise, symmetric
 from model.reduce.rational import RationalFit, admissible, columns, fit, rational, starting_poles
 from model.reduce.targets import Paths
-from model.response.cummins import added_mass_of_damping, retardation_transform
+from model.response.cummins import retardation_transform
 from model.system.hydro import HydroCoefficients, infinite_added_mass
 
 ABSENT = (
@@ -71,19 +72,40 @@ class RadiationFit:
         return memory + s * self.added_mass_change
 
 
-def disagreement(hydro: HydroCoefficients) -> np.ndarray:
-    """Return by how much added mass and damping of a body's data disagree, as fractions of the peaks of |K| (6, 6).
+def least_error(hydro: HydroCoefficients, dof: int) -> float:
+    """Return the least largest error that any passive kernel has of a motion's own K, a fraction of its peak.
 
-    The largest difference between the added mass of the data and the one that causality lets follow from the damping, with the
-    infinite-frequency added mass that makes it smallest in the mean square; zero where there is no radiation. About half
-    of it is left in any causal fit.
+    Damping that is nowhere negative, linear between the frequencies of the data and some beyond, and the added mass that causality lets
+    follow from it, but for the one of infinite frequency, which is free: a linear programme, the modulus by sixteen directions. Above
+    zero where added mass and damping of the data contradict each other.
     """
     omega = hydro.omega
-    implied = omega[:, None, None] * (hydro.added_mass - infinite_added_mass(hydro) - added_mass_of_damping(hydro, omega))
-    change = np.tensordot(omega, implied, axes=1) / np.sum(omega**2)
-    rest = np.abs(implied - omega[:, None, None] * change).max(axis=0)
-    peak = np.abs(retardation_transform(hydro, omega)).max(axis=0)
-    return np.where(_significant(peak, omega[-1] * np.abs(np.diag(infinite_added_mass(hydro)))), rest / np.maximum(peak, 1e-300), 0.0)
+    known = retardation_transform(hydro, omega)[:, dof, dof] / np.abs(retardation_transform(hydro, omega)[:, dof, dof]).max()
+    grid = np.concatenate([[0.0], omega[0] * np.array([0.3, 0.6]), omega, omega[-1] * np.geomspace(1.02, 15, 50)])
+    implied = omega[:, None] * _added_mass_of_hats(grid, omega)
+    own = (grid[1:-1] == omega[:, None]).astype(float)
+    turn = np.exp(-1j * np.arange(16) * np.pi / 8)[:, None, None]
+    each = np.concatenate([own + 1j * implied, 1j * omega[:, None]], axis=1)
+    rows = (turn * each).real.reshape(-1, each.shape[1])
+    limit = np.concatenate([rows, -np.ones((len(rows), 1))], axis=1)
+    cost = np.zeros(limit.shape[1])
+    cost[-1] = 1.0
+    bounds = [(0, None)] * (len(grid) - 2) + [(None, None), (0, None)]
+    found = linprog(cost, A_ub=limit, b_ub=(turn[..., 0] * known).real.ravel(), bounds=bounds)
+    return float(found.fun)
+
+
+def _added_mass_of_hats(grid, omega) -> np.ndarray:
+    """Return A - A_inf (n, k) at omega (n), not beyond the grid, of damping that is one at one inner point of a grid (k + 2) and falls
+    linearly to zero at its neighbours: 2/pi times the principal value of the integral of B(x) / (x2 - omega2)."""
+    w, x = omega[:, None], grid[None]
+    with np.errstate(divide="ignore"):
+        minus, plus = np.log(np.maximum(np.abs(x - w), 1e-14)), np.log(x + w)
+    even, odd = np.diff((minus - plus) / (2 * w), axis=1), np.diff(minus + plus, axis=1) / 2  # integrals of 1 and x over each interval
+    slope = 1 / np.diff(grid)
+    rise = slope[:-1] * (odd[:, :-1] - grid[:-2] * even[:, :-1])
+    fall = slope[1:] * (grid[2:] * even[:, 1:] - odd[:, 1:])
+    return 2 / np.pi * (rise + fall)
 
 
 def fit_radiation(

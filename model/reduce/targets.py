@@ -15,10 +15,10 @@ from model.response.loads import LinearOutputs
 from model.system.hydro import infinite_added_mass
 
 PHASE = 0.02 / np.radians(2.0)  # what an error of the phase [rad] counts beside a relative one of the magnitude
-LOSS, SHARP = 0.0002, 0.3  # a resonance is too sharp to be followed where this hysteretic damping changes it by that much
+LOSS, SHARP = 0.00005, 0.3  # a resonance is too sharp to be followed where this hysteretic damping changes it by that much
 UNITS = ("m",) * 3 + ("rad",) * 3  # of the platform's motions
 ENDS = 1 + np.linspace(-0.02, 0.02, 17)  # of where the data begin and end
-FLANKS = 1 + np.array([-0.03, -0.015, -0.007, -0.003, 0.0, 0.003, 0.007, 0.015, 0.03])  # of a resonance, looked at besides
+FLANKS = 1 + np.array([-0.03, -0.015, -0.007, -0.003, -0.001, 0.0, 0.001, 0.003, 0.007, 0.015, 0.03])  # of a resonance, looked at besides
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
