@@ -121,7 +121,7 @@ def _radiation_words(found: Linearised) -> str:
     for k, dof in enumerate(PLATFORM_DOFS):
         if radiation.error[k, k] > 0.01:
             floor = least_error(found.point.system.hydro, k)
-            out += f"; {dof} {100 * radiation.error[k, k]:.2f} %, any passive kernel at least {100 * floor:.2f} %: its data contradict each other"
+            out += f"; {dof} {100 * radiation.error[k, k]:.2f} %, where added mass and damping leave any passive kernel {100 * floor:.2f} % at least"
     return out
 
 

@@ -15,10 +15,10 @@ from model.response.loads import LinearOutputs
 from model.system.hydro import infinite_added_mass
 
 PHASE = 0.02 / np.radians(2.0)  # what an error of the phase [rad] counts beside a relative one of the magnitude
-LOSS, SHARP = 0.00005, 0.3  # a resonance is too sharp to be followed where this hysteretic damping changes it by that much
+LOSS, SHARP = (5e-5, 2e-3), 0.3  # a resonance is too sharp to be followed where this hysteretic damping changes it (channels, own) by that
 UNITS = ("m",) * 3 + ("rad",) * 3  # of the platform's motions
 ENDS = 1 + np.linspace(-0.02, 0.02, 17)  # of where the data begin and end
-FLANKS = 1 + np.array([-0.03, -0.015, -0.007, -0.003, -0.001, 0.0, 0.001, 0.003, 0.007, 0.015, 0.03])  # of a resonance, looked at besides
+FLANKS = 1 + np.array([-0.03, -0.015, -0.007, -0.003, -0.001, -0.0003, 0.0, 0.0003, 0.001, 0.003, 0.007, 0.015, 0.03])  # of a resonance, looked at besides
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -107,7 +107,8 @@ def paths(
         own = np.einsum("nii->ni", unit.T @ x[..., :6])
         return [np.einsum("ncj,nj->nc", rows @ x[..., :6], waves), *np.moveaxis(rows @ x[..., 6:], 2, 0) + outputs.wind[:, 0], own]
 
-    true, lossy = found(moved), found(_under(system, mean, drag_damping, omega, forces, LOSS))
+    true, little, much = found(moved), *(found(_under(system, mean, drag_damping, omega, forces, k)) for k in LOSS)
+    lossy = [*little[:-1], much[-1]]
     sure = [np.abs(y - x) < SHARP * np.abs(x) for x, y in zip(true, lossy, strict=True)]
     sure[-1] &= (omega <= data[-1])[:, None]
     parts = [_counted(y, s, outputs.units, known) for y, s in zip(true[:-1], sure[:-1], strict=True)]
