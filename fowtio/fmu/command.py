@@ -12,7 +12,8 @@ from fowtio.errors import ModelError
 from fowtio.fmu.build import VERSIONS, Exported, Linearised, export_fmu
 from fowtio.fmu.check import Finding, check_fmu
 from fowtio.fmu.describe import GROUPS
-from fowtio.fmu.simulate import Simulation, simulate, write_simulation
+from fowtio.fmu.simulate import Simulation, read_unit, simulate, write_simulation
+from fowtio.write.table import ROW, Column, Table
 from model.conventions import PLATFORM_DOFS
 from model.reduce.radiation import least_error
 
@@ -67,18 +68,47 @@ def simulate_file(
     if as_json is not None:
         as_json(_simulation_json(found, files))
     elif not quiet:
-        rows = [
-            (
-                m.name,
-                f"σ {m.std_fmu:.4g} {m.unit}, reference {m.std_reference:.4g} ({100 * m.std_error:+.2f} %), correlation {m.correlation:.4f}",
-            )
-            for m in found.matches
-        ] or [
-            (n, f"mean {v.mean():.4g}, σ {v.std():.4g} {u}")
-            for n, u, v in zip(found.names, found.units, found.values.T, strict=True)
-        ]
-        terminal.show_rows(f"{path.name}, {found.time[-1]:g} s in steps of {found.time[1]:g} s", rows)
+        print(f"{path.name}, {found.time[-1]:g} s in steps of {found.time[1]:g} s")
+        terminal.show_table(_comparison(found) if found.matches else _statistics(found))
+        print()
         terminal.show_rows("written", [(f.name, str(f)) for f in files])
+
+
+def _comparison(found: Simulation) -> Table:
+    """Return the table of the channels beside those of the reference."""
+    rows = []
+    for m in found.matches:
+        unit, factor = read_unit(m.unit)
+        rows.append((m.name, m.channel, unit, m.std_fmu * factor, m.std_reference * factor, 100 * m.std_error, m.correlation))
+    return Table(
+        name="comparison", title="Beside the reference, driven by the same waves", rows=tuple(rows),
+        columns=(
+            Column(name="Output"), Column(name="Channel"), Column(name="Unit"), Column(name="σ FMU", unit=ROW), Column(name="σ reference", unit=ROW),
+            Column(name="Difference", unit="%"), Column(name="Correlation", decimals=4),
+        ), note=f"After the first {found.discard:g} s. The FMU's drag is linear; the reference's is not.",
+    )  # fmt: skip
+
+
+def _statistics(found: Simulation) -> Table:
+    """Return the table of means and standard deviations."""
+    rows = []
+    for name, own, values in zip(found.names, found.units, found.values.T, strict=True):
+        unit, factor = read_unit(own)
+        rows.append((name, unit, float(values.mean()) * factor, float(values.std()) * factor))
+    columns = (Column(name="Output"), Column(name="Unit"), Column(name="Mean", unit=ROW), Column(name="σ", unit=ROW))
+    return Table(name="statistics", title="Mean and standard deviation", columns=columns, rows=tuple(rows))
+
+
+def _short(names: Sequence[str]) -> str:
+    """Return names of variables, the six components of a force and moment as one."""
+    out = []
+    for name in names:
+        stem, _, axis = name.rpartition("Force")
+        if stem and axis == "X":
+            out.append(f"{stem}ForceX ... {stem.split('.')[-1]}MomentZ")
+        elif not (stem and axis in ("Y", "Z")) and "Moment" not in name:
+            out.append(name)
+    return ", ".join(out) or "none"
 
 
 def _parameters(given: Sequence[str] | None) -> dict[str, float]:
@@ -100,7 +130,7 @@ def _rows(written: Exported) -> list[tuple[str, str]]:
     rows = [(f"FMI {v}", f"{p} ({p.stat().st_size / 1e3:.0f} kB)") for v, p in written.files.items()]
     rows += [
         ("states", f"{found.space.order}" + (f", error bound of the reduction {found.reduction_bound:.2g}" if found.reduction_bound else "")),
-        ("inputs", ", ".join(v.name for v in d.of_kind("input")) or "none"),
+        ("inputs", _short([v.name for v in d.of_kind("input")])),
         ("radiation", "; ".join(f"{' and '.join(b)}: {o} poles" for b, o in zip(radiation.blocks, radiation.orders, strict=True))),
         ("radiation fit", _radiation_words(found)),
     ]  # fmt: skip

@@ -25,7 +25,7 @@ TO_SI = {"deg": np.pi / 180, "kN": 1e3, "kN-m": 1e3, "kN·m": 1e3}
 SMALL = 0.1  # s
 SHOWN = 600.0  # s of the figure
 STILL = 1e-3  # of the largest of its kind: a channel that moves less is not compared
-_PEOPLE = {"N.m": "N m", "m/s2": "m/s^2"}
+_WRITTEN = {"N.m": "N m", "m/s2": "m/s^2", "rad/s2": "rad/s²"}  # units of FMI, as written elsewhere
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,6 +128,11 @@ def simulate(
     )
 
 
+def read_unit(unit: str) -> tuple[str, float]:
+    """Return the unit that people read for a unit of an FMU, and the factor to it."""
+    return people(_WRITTEN.get(unit, unit))
+
+
 def openfast_channels(path: str | Path) -> dict[str, str]:
     """Return OpenFAST's channel name of each output of an FMU that fowtio wrote; empty for others."""
     with zipfile.ZipFile(path) as archive:
@@ -183,7 +188,7 @@ def _panels(found: Simulation, shown: Sequence[str], matched: Mapping[str, Chann
     late = found.time >= found.time[-1] - SHOWN
     for row, name in enumerate(shown):
         ax, k = axes[row, 0], found.names.index(name)
-        unit, factor = people(_PEOPLE.get(found.units[k], found.units[k]))
+        unit, factor = read_unit(found.units[k])
         if name in matched:
             time, data = _reference_series(found.reference, matched[name].channel)
             inside = time >= found.time[-1] - SHOWN

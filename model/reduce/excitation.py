@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.linalg import cho_factor, cho_solve
 
 from model.conventions import PLATFORM_DOFS, freeze
 from model.reduce.rational import orthogonal, partial_fractions, pole_at, realisation
@@ -26,7 +27,7 @@ SLOW = (0.003, 0.01, 0.03, 0.1)  # 1/s: what the memory cannot hold, below the l
 SLOWEST = 2e-3  # 1/s, least decay of any other pole
 BENDS = (-0.06 + 1j, -0.2 + 1j), (-0.005 + 1j, -0.015 + 1j, -0.04 + 1j)  # poles over the frequencies where the data begin and end
 MORE, PATIENCE = 24, 6  # poles added at most, and tried without a tenth of gain
-START, HOPELESS = 3, 2.0  # poles after which a shift is left when its error is still so many times the target
+START, HOPELESS = 3, 1.6  # poles after which a shift is left when its error is still so many times the target
 NARROW, DECAYS = 0.015, (1.0, 2.0, 0.7)  # rad/s up to 2 rad/s, then that share of it: decay of the poles added
 FEW, ROUNDS = 3, 12  # of reweighting, on the way and at the end
 OWN = 0.3  # what an error of a force relative to its own peak counts beside one of a response; a tenth of it outside the band
@@ -206,7 +207,8 @@ class _Problem:
         turn = targets.share[..., None] * np.exp(1j * targets.omega * shift)[:, None, None]
         self.rows = _real(turn * targets.gain[..., live], PHASE)
         self.level = np.concatenate([targets.share != 0, np.zeros(targets.share.shape)], axis=1)
-        self.own = self._own_rows(force * np.exp(-1j * omega * shift)[:, None], own)
+        self.late = _stacked(force * np.exp(-1j * omega * shift)[:, None])
+        self.own = np.concatenate([own, own], axis=1)
 
     def with_pole(self, pole: complex) -> _Problem:
         """Return the problem with one pair of poles more."""
@@ -216,11 +218,10 @@ class _Problem:
         """Return coefficients (b, l) and the largest error of a response after some rounds of reweighting, and its frequency [rad/s]."""
         weight, best = np.ones(len(self.omega)), None
         for _ in range(rounds):
-            a, b = self._equations(weight)
-            size = np.maximum(np.linalg.norm(a, axis=0), 1e-300)
-            a /= size
-            normal = a.T @ a
-            x = np.linalg.solve(normal + 1e-13 * np.trace(normal) / len(normal) * np.eye(len(normal)), a.T @ b) / size
+            normal, right = self._normal_equations(weight)
+            size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+            normal = normal / np.outer(size, size) + 1e-13 * np.eye(len(size))
+            x = cho_solve(cho_factor(normal), right / size) / size
             error = self._errors(x)
             if best is None or error.max() < best[1]:
                 best = x, float(error.max()), float(self.omega[error.argmax()])
@@ -231,27 +232,27 @@ class _Problem:
     def _errors(self, x) -> np.ndarray:
         """Return the largest error of the responses (n)."""
         force = self.basis[self.inside] @ x.reshape(-1, self.back.shape[1]).T
-        return np.abs(np.einsum("nij,nj->ni", self.rows, np.concatenate([force.real, force.imag], axis=1)) - self.level).max(axis=1)
+        return np.abs(np.einsum("nij,nj->ni", self.rows, _stacked(force)) - self.level).max(axis=1)
 
-    def _equations(self, weight) -> tuple[np.ndarray, np.ndarray]:
-        """Return matrix and right side of the least squares; the rows of each frequency are first reduced to as many as unknown forces."""
-        rows = np.concatenate([self.rows, self.level[..., None]], axis=2) * weight[:, None, None]
-        triangle = np.linalg.qr(rows, mode="r")
-        matrix = self._spread(triangle[..., :-1], self.basis[self.inside])
-        return np.concatenate([matrix, self.own[0]]), np.concatenate([triangle[..., -1].ravel(), self.own[1]])
-
-    def _spread(self, rows, basis) -> np.ndarray:
-        """Return rows (n, k, 2 l) on forces, real parts first, as rows (n k, l f) on their coefficients, with a basis (n, f)."""
-        count = rows.shape[2] // 2
-        parts = [rows[..., j, None] * basis.real[:, None] + rows[..., count + j, None] * basis.imag[:, None] for j in range(count)]
-        return np.concatenate(parts, axis=2).reshape(-1, count * basis.shape[1])
-
-    def _own_rows(self, late, own) -> tuple[np.ndarray, np.ndarray]:
-        """Return rows and right side of the forces' own errors, at every third frequency inside and all outside."""
-        use = np.ones(len(late), dtype=bool)
-        use[self.inside[np.arange(len(self.inside)) % 3 > 0]] = False
-        rows = _real(own[use, :, None] * np.eye(late.shape[1]))
-        return self._spread(rows, self.basis[use]), np.einsum("nij,nj->ni", rows, _stacked(late[use])).ravel()
+    def _normal_equations(self, weight) -> tuple[np.ndarray, np.ndarray]:
+        """Return matrix (l f, l f) and right side (l f) of the normal equations, summed frequency by frequency from what the forces' real
+        and imaginary parts count."""
+        count, each = self.own.shape[1] // 2, self.back.shape[1]
+        square, target = np.zeros((len(self.basis), 2 * count, 2 * count)), self.own**2 * self.late
+        rows = self.rows * weight[:, None, None]
+        square[self.inside] = np.swapaxes(rows, 1, 2) @ rows
+        target[self.inside] += np.einsum("nij,ni->nj", rows, self.level * weight[:, None])
+        square[:, range(2 * count), range(2 * count)] += self.own**2
+        real, imaginary = self.basis.real.copy(), self.basis.imag.copy()
+        normal = np.empty((count, each, count, each))
+        for j in range(count):
+            for k in range(j, count):
+                m = square[:, [[j], [count + j]], [k, count + k]]
+                block = real.T @ (m[:, 0, 0, None] * real + m[:, 0, 1, None] * imaginary)
+                block += imaginary.T @ (m[:, 1, 0, None] * real + m[:, 1, 1, None] * imaginary)
+                normal[j, :, k], normal[k, :, j] = block, block.T
+        right = real.T @ target[:, :count] + imaginary.T @ target[:, count:]
+        return normal.reshape(count * each, -1), right.T.ravel()
 
 
 def _real(matrix, phase: float = 1.0) -> np.ndarray:

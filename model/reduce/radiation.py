@@ -67,9 +67,11 @@ class RadiationFit:
 
     def __call__(self, omega) -> np.ndarray:
         """Return K (n, 6, 6) at omega (n) [rad/s], about the infinite-frequency added mass of the data."""
-        s = 1j * np.asarray(omega, dtype=float)[:, None, None]
-        memory = self.c @ np.linalg.solve(s * np.eye(len(self.a)) - self.a, self.b + 0j)
-        return memory + s * self.added_mass_change
+        s = 1j * np.asarray(omega, dtype=float)
+        poles, vectors = np.linalg.eig(self.a)  # blocks of single poles or pairs: as good as diagonal
+        shares = (self.c @ vectors).T[:, :, None] * np.linalg.solve(vectors, self.b + 0j)[:, None, :]
+        memory = (1 / (s[:, None] - poles) @ shares.reshape(-1, 36)).reshape(-1, 6, 6)
+        return memory + s[:, None, None] * self.added_mass_change
 
 
 def least_error(hydro: HydroCoefficients, dof: int) -> float:
