@@ -58,13 +58,12 @@ def test_direct_route_is_the_assembled_model(still, full):
     away = np.abs(np.log(omega[:, None] / item.point.modes.frequency_infinite)).min(axis=1) > 0.08
     band = (omega > 0.06) & (omega < 1.2) & away
     assert worst < 0.02
-    # the fits say their own error, the largest of any response at the frequencies of the data (1 to 2 %); within 8 % of a resonance,
-    # which nothing but radiation damps here, it and the finite rotation step of the linearisation's own stiffness (0.5 % of C55) count
-    # many times over and are left out
-    for name, unit, tolerance in (("PtfmSurge", 1.0, worst), ("PtfmHeave", 1.0, worst), ("PtfmPitch", np.pi / 180, worst), ("TTDspFA", 1.0, worst)):
+    # the fits say their own error, the largest of any response; the finite rotation step of the linearisation's own stiffness adds 0.5 %
+    # (of C55); within 8 % of a resonance, which nothing but radiation damps here, both count many times over and are left out
+    for name, unit in (("PtfmSurge", 1.0), ("PtfmHeave", 1.0), ("PtfmPitch", np.pi / 180), ("TTDspFA", 1.0)):
         row = next(k for k, n in enumerate(record.output_names) if n.split()[1].rstrip(",") == name)
         direct = direct_transfer(record, omega, wave_input(record), [row])[:, 0] * unit * np.exp(1j * omega * shift)
         own = channels.to_wave[0][:, channels.index(name)]
         weight = np.gradient(omega) * band
         error = np.sqrt((np.abs(direct - own) ** 2 * weight).sum() / (np.abs(own) ** 2 * weight).sum())
-        assert error < tolerance, (name, error)
+        assert error < worst + 0.005, (name, error)
