@@ -66,17 +66,17 @@ def oc3_spar(hydro: HydroCoefficients) -> DeckPlan:
 def iti_barge(hydro: HydroCoefficients) -> DeckPlan:
     """Return the ITI Energy barge; two lines a corner, 45 degrees apart. Source: J. Jonkman 2007, NREL/TP-500-41958.
 
-    The volume is 6000 m3 (with the moonpool), the coefficients those of the closed barge, as in the model in common use.
+    Anchors as in OpenFAST's r-test (5MW_ITIBarge_DLL_WTurb_WavesIrr), 386.92 and 171.98 m from the axes. The volume is 6000 m3 (with the moonpool), the coefficients those of the closed barge, as in the model in common use.
     """
     corners = np.repeat([45.0, 135.0, 225.0, 315.0], 2)
-    anchors = corners + np.tile([-22.5, 22.5], 4)
+    anchors = corners + np.tile([-21.0356, 21.0356], 4)
     z = np.array([0.0, 0.0, 1.0])
     member = Member(name="bottom", start=-4.0 * z, end=-3.0 * z, diameter=40.0, drag=0.0)
     return DeckPlan(
         name="iti", title="the ITI Energy barge, 150 m", turbine="nrel5mw", platform=_body(5.452e6, -0.281768, 7.269e8, 7.269e8, 1.45393e9),
         hydro=replace(hydro, volume=6000.0), members=[member], depth=150.0, linearisations=LINEARISATIONS, states=(OPERATION, STORM),
         hull_file="iti_barge/hull.toml", published=(("surge", 131.0), ("heave", 7.8), ("pitch", 11.9)),
-        lines=_around(anchors, 28.2843, -4.0, 423.422, -150.0, lead_angles=corners, length=473.312, mass=130.403, diameter=0.0809, stiffness=5.89e8),
+        lines=_around(anchors, 28.2843, -4.0, 423.42, -150.0, lead_angles=corners, length=473.312, mass=130.403, diameter=0.0809, stiffness=5.89e8),
     )  # fmt: skip
 
 
