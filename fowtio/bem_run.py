@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.bem import BemSettings, capytaine_body, extrapolated, far_field, load_capytaine, solve_frequency
-from fowtio.errors import FormatError, ModelError
+from fowtio.errors import CaseError, FormatError, ModelError, Problem
+from fowtio.hull_check import hull_problems
 from fowtio.hull_mesh import HullMesh, whole
 from fowtio.hulls import barge_mesh, semi_braces, semi_mesh, spar_mesh, tlp_mesh
 from fowtio.write.hydro import write_capytaine, write_wamit
@@ -51,7 +52,7 @@ class HullFile:
 
 
 def read_hull(path: str | Path) -> HullFile:
-    """Return a hull file, or a mesh file (.gdf, .stl, .msh, ...) with default settings; raise FormatError."""
+    """Return a hull file, or a mesh file (.gdf, .stl, .msh, ...) with default settings; raise FormatError, or CaseError with all that cannot be."""
     path = Path(path)
     if path.suffix.lower() != ".toml":
         if not path.is_file():
@@ -74,7 +75,10 @@ def read_hull(path: str | Path) -> HullFile:
     for name in bem:
         if name not in BEM_DEFAULTS:
             raise FormatError(path, expected=f"a setting of [bem]: {', '.join(BEM_DEFAULTS)}", found=name)
-    return HullFile(path=path, title=title, kind=kind, shape=data, bem=BEM_DEFAULTS | bem)
+    hull = HullFile(path=path, title=title, kind=kind, shape=data, bem=BEM_DEFAULTS | bem)
+    if problems := hull_problems(kind, hull.shape, hull.bem):
+        raise CaseError([Problem(text, path) for text in problems])
+    return hull
 
 
 def hull_meshes(hull: HullFile, omega: float = 1.0) -> list[HullMesh]:
@@ -107,17 +111,14 @@ def _deck_depth(hull: HullFile, omega: float) -> float | None:
     At infinite frequency the Green function vanishes at still water: a deck there is solved SUNK_DECK below.
     """
     cap = hull.shape.get("moonpool_cap")
-    if cap and cap < hull.bem["panel_size"] / 4:
-        raise ModelError(
-            f"moonpool_cap is {cap:g} m: panels of {hull.bem['panel_size']:g} m do not resolve so little water above the deck; "
-            "give 0, a deck at still water, or a deck deeper than a quarter of panel_size"
-        )
     return SUNK_DECK if cap == 0 and np.isinf(omega) else cap
 
 
 def file_mesh(path: Path, scale: float = 1.0) -> HullMesh:
     """Return the wetted part of a mesh file that Capytaine reads (GDF, STL, MSH, ...), lengths times `scale`, with a lid."""
     cpt = load_capytaine()
+    if not path.is_file():
+        raise FormatError(path, expected="a mesh file", found="nothing there")
     try:
         mesh = cpt.load_mesh(_gmsh(path) if path.suffix.lower() == ".msh" else str(path))
     except Exception as error:
@@ -125,6 +126,8 @@ def file_mesh(path: Path, scale: float = 1.0) -> HullMesh:
         raise FormatError(path, expected="a mesh that Capytaine reads", found=f"{type(error).__name__}: {error}", hint=hint) from None
     mesh = mesh.merged() if hasattr(mesh, "merged") else mesh
     wet = mesh.immersed_part()
+    if not wet.nb_faces:
+        raise FormatError(path, expected="panels below still water (z < 0)", found=f"{mesh.nb_faces} panels, none of them wet")
     lid = wet.generate_lid()
     panels = [np.asarray(m.vertices)[np.asarray(m.faces)] * scale for m in (wet, lid)]
     return HullMesh(part=panels[0], lid=panels[1], symmetry="none")

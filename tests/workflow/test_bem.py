@@ -11,7 +11,7 @@ pytest.importorskip("capytaine", reason="Capytaine is not installed: pip install
 from fowtio.bem import BemSettings, capytaine_body, extrapolated, far_field, solve_frequency
 from fowtio.bem_run import closed_form, full_circle, hull_meshes, hydrostatics, read_hull, run_bem, write_results
 from fowtio.database import DatabasePlan, collect, read_database, solve_plan, write_database
-from fowtio.errors import FormatError, ModelError
+from fowtio.errors import CaseError, FormatError, ModelError
 from fowtio.hull_mesh import HullMesh, revolved, volume, whole
 from fowtio.hulls import barge_mesh, semi_braces, semi_mesh, spar_mesh, tlp_mesh
 from fowtio.read.wamit import read_wamit
@@ -178,6 +178,27 @@ def test_wrong_hull_files_say_what_is_wrong(tmp_path):
         (tmp_path / "h.toml").write_text(text)
         with pytest.raises(FormatError, match=words):
             read_hull(tmp_path / "h.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('kind = "barge"\nlength = -1.0\nwidth = "ten"\ndraft = 4.0\n[bem]\nmethod = "magic"\naround = 2.5', ("length is -1", "width is 'ten'", "direct or indirect", "around is 2.5")),
+        ('kind = "barge"\nlength = 40.0\nwidth = 9.0\ndraft = 4.0\nmoonpool = 10.0\nmoonpool_cap = 0.05\n[bem]\ndepth = 3.0', ("barge is 40 x 9 m", "give 0, a deck at still water", "must be deeper")),
+        ('kind = "spar"\nprofile = [[3.0, -1.0], [3.0, 5.0]]', ("must start at still water", "must go down")),
+        ('kind = "spar"\nprofile = "round"', ("two or more pairs",)),
+        ('kind = "tlp"\ndiameter = 10.0\ndraft = 20.0\npontoon_length = 9.0', ("pontoon_diameter is missing",)),
+        ('kind = "tlp"\ndiameter = 10.0\ndraft = 20.0\npontoon_length = 9.0\npontoon_diameter = 11.0\npontoons = 3', ("takes 4", "less than the column's")),
+        ('kind = "semi"\ndiameter = 30.0\nradius = 20.0\ndraft = 20.0', ("overlap", "reach the central column")),
+    ],
+)
+def test_hulls_that_cannot_be_are_refused_with_all_reasons(tmp_path, text, words):
+    (tmp_path / "h.toml").write_text(text)
+    with pytest.raises(CaseError) as error:
+        read_hull(tmp_path / "h.toml")
+    for word in words:
+        assert word in str(error.value)
+    assert len(error.value.problems) == len(words)
 
 
 def test_database_is_built_resumed_packed_and_its_damage_found(tmp_path):
