@@ -110,6 +110,21 @@ def test_radiation_is_passive_where_the_data_are_not():
     assert found.least_damping[1] > -1e-5
 
 
+def test_what_no_passive_kernel_can_follow():
+    """Nothing of a kernel that is one; half at least of a step of the added mass where nothing radiates."""
+    from dataclasses import replace
+
+    hydro = _made_up_hydro()
+    assert least_error(hydro, 2) < 3e-3  # damping that is linear between the frequencies, 0.025 rad/s apart about the peak
+    added, places = hydro.added_mass.copy(), hydro.omega > 2.45
+    peak = np.abs(retardation_transform(hydro, hydro.omega)[:, 2, 2]).max()
+    still = hydro.radiation_damping.copy()
+    still[hydro.omega > 2.0, 2, 2] = 0.0  # so that a kernel's own added mass cannot rise there: d A / d omega > 0 needs damping
+    added[places, 2, 2] += np.where(np.arange(places.sum()) % 2, 0.04, -0.04) * peak / hydro.omega[places]
+    wavering = replace(hydro, added_mass=added, radiation_damping=still)
+    assert 0.02 < least_error(wavering, 2) < 0.06
+
+
 def test_oc4_radiation(oc4, parked):
     """The fit of the embedded case: stable, passive, below one per cent of each significant pair's peak.
 
