@@ -76,8 +76,11 @@ def _excitation(own, reference, omega, inside) -> list[Difference]:
     a = own.excitation[keep][:, inside]
     b = excitation_at(reference, omega, own.heading[keep])
     out = []
+    scale = np.abs(b).max(axis=(0, 1))
     for k in range(6):
-        gap = np.abs(a[..., k] - b[..., k]) / np.abs(b[..., k]).max()
+        if scale[k] <= NOTHING * (scale[:3] if k < 3 else scale[3:]).max():
+            continue
+        gap = np.abs(a[..., k] - b[..., k]) / scale[k]
         at = np.unravel_index(gap.argmax(), gap.shape)
         out.append(Difference(name=f"X{k + 1}", mean=float(gap.mean()), largest=float(gap[at]), omega=float(omega[at[1]]), of="its largest value, all headings"))
     return out

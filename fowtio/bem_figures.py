@@ -97,7 +97,8 @@ def draw_comparison(own, reference, path: str | Path, *, labels=("fowtio", "WAMI
             keep = reference.omega <= own.omega[-1]
             axes.plot(reference.omega[keep], getattr(reference, name)[keep, k, k], color=INK, lw=1.0, label=labels[1])
             axes.plot(own.omega, getattr(own, name)[:, k, k], ".", color="C3", ms=4, label=labels[0])
-            axes.set_title(f"{letter}{k + 1}{k + 1}", fontsize=9)
+            unit = ("kg" if k < 3 else "kg m²") + ("/s" if letter == "B" else "")
+            axes.set_title(f"{letter}{k + 1}{k + 1} ({unit})", fontsize=9)
             axes.tick_params(labelsize=7)
             axes.grid(alpha=0.25)
     grid[0, 0].legend(fontsize=8)
