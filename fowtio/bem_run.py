@@ -10,6 +10,7 @@ import json
 import os
 import tomllib
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -122,7 +123,8 @@ def file_mesh(path: Path, scale: float = 1.0) -> HullMesh:
     try:
         mesh = cpt.load_mesh(_gmsh(path) if path.suffix.lower() == ".msh" else str(path))
     except Exception as error:
-        hint = 'STL and MSH need meshio: pip install "fowtio[bem]"' if isinstance(error, ImportError) else ""
+        lacking = path.suffix.lower() in (".stl", ".msh") and find_spec("meshio") is None
+        hint = 'STL and MSH need meshio: pip install "fowtio[bem]"' if lacking or isinstance(error, ImportError) else ""
         raise FormatError(path, expected="a mesh that Capytaine reads", found=f"{type(error).__name__}: {error}", hint=hint) from None
     mesh = mesh.merged() if hasattr(mesh, "merged") else mesh
     wet = mesh.immersed_part()
