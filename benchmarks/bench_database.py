@@ -25,12 +25,12 @@ def random_database(plan: DatabasePlan) -> HydroDatabase:
     return HydroDatabase(
         **dict(zip(DIMENSIONS, axes, strict=True)), inverse_depth=1 / np.array(plan.depths), heading=np.radians(plan.headings_deg),
         scaled_frequency=np.concatenate([[0.0], plan.scaled_frequency]), values=rng.random((len(plan.depths), *shape, n, 10 + 12 * m)),
-        infinite=rng.random((*shape, 5)), density=1025.0, gravity=9.80665,
+        infinite=rng.random((*shape, 5)), density=1025.0, gravity=9.80665, stretch=plan.stretch,
     )  # fmt: skip
 
 
 def main() -> None:
-    """Time the first call (which fits the splines), then the best of five."""
+    """Time the first call (which fits the splines of these headings), then the best of five."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("database", nargs="?")
     for name, default in (("hulls", 1000), ("frequencies", 100), ("headings", 1)):

@@ -27,7 +27,6 @@ def one_design(jobs: int) -> float:
     """Return the milliseconds of wall time that a design takes among 200, moment, cost and displacements at rated (best of five)."""
     study = load_optimisation("tuscany")
     setting = setting_of(study)
-    setting.database.splines  # noqa: B018  fitted once, kept
     rng = np.random.default_rng(1)
     anchor = rng.uniform(600, 900, 200)
     designs = np.column_stack([rng.uniform(14, 20, 200), rng.uniform(38, 45, 200), rng.uniform(20, 32, 200), anchor, anchor])

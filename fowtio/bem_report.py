@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from fowtio.bem_run import HullFile, closed_form
-from fowtio.database import DIMENSIONS, database_plan, embedded_path, held_out, read_database
+from fowtio.database import DIMENSIONS, database_plan, embedded_path, plan_frequencies, read_database
+from fowtio.database_check import held_out
 from fowtio.hull_system import SemiDesign, thesis_hull
 from fowtio.hull_turbine import ten_megawatt
 from fowtio.read.hydro_any import hydro_options, read_hydro
@@ -79,6 +80,7 @@ def check_database(path=None, *, hulls: int, seed: int, depth: float, jobs: int,
     for k, row in enumerate(found):
         row["rao"] = rao_errors(database, plan, row)
         if np.isfinite(depth):
+            row["rao"] = np.maximum(row["rao"], rao_errors(database, plan, shallow[k]))
             for name in ("added_mass", "radiation_damping", "excitation"):
                 row[f"{name}_depth"] = shallow[k][name]
         row["worst"] = float(
@@ -96,7 +98,7 @@ def check_database(path=None, *, hulls: int, seed: int, depth: float, jobs: int,
 
 
 def rao_errors(database, plan, row: dict) -> np.ndarray:
-    """Return the error of the surge, heave and pitch RAO at their peaks (wave periods of 4 to 60 s, heading 0), deep water,
+    """Return the error of the surge, heave and pitch RAO at their peaks (wave periods of 4 to 60 s among those solved, heading 0),
     with the parked turbine, three lines and 5 per cent of critical damping besides radiation.
     """
     curves, omega = row["curves"], row["omega"]
@@ -130,16 +132,15 @@ def _rao(database, row, added, damping, force, omega) -> np.ndarray:
 
 
 def check_rows(found: list[dict]) -> list[tuple[str, str]]:
-    """Return one row a hull, one with the largest of each coefficient, and one with those of short waves."""
+    """Return one row a hull, and one with the largest of each coefficient."""
     rows = []
     for row in found:
         values = _coefficients(row)
         text = "  ".join(f"{n} {100 * v:.2f}" for n, v in zip(NAMES, values, strict=True))
         rao = ", ".join(f"{100 * v:.2f}" for v in row["rao"])
         rows.append(("d {:.2f} r {:.2f} draft {:.2f} m".format(*row["hull"]), f"{text}; RAO surge, heave, pitch {rao}"))
-    for label, pick in (("largest", _coefficients), ("in waves shorter than 4 s", _short)):
-        worst = np.max([pick(r) for r in found], axis=0)
-        rows.append((label, "  ".join(f"{n} {100 * v:.2f}" for n, v in zip(NAMES, worst, strict=True))))
+    worst = np.max([_coefficients(r) for r in found], axis=0)
+    rows.append(("largest", "  ".join(f"{n} {100 * v:.2f}" for n, v in zip(NAMES, worst, strict=True))))
     return rows
 
 
@@ -149,17 +150,12 @@ def _coefficients(row: dict) -> np.ndarray:
     return np.maximum(deep, np.concatenate([row[f"{n}_depth"] for n in parts])) if "added_mass_depth" in row else deep
 
 
-def _short(row: dict) -> np.ndarray:
-    return np.concatenate([row[f"{n}_short"] for n in ("added_mass", "radiation_damping", "excitation")])
-
-
 def check_json(found: list[dict]) -> dict:
     """Return the errors for programs, as shares of each coefficient's maximum."""
     return {
         "hulls": [
             {"diameter": r["hull"][0], "radius": r["hull"][1], "draft": r["hull"][2], "worst": r["worst"], "rao": [float(v) for v in r["rao"]],
-             "errors": {n: float(v) for n, v in zip(NAMES, _coefficients(r), strict=True)},
-             "errors_short_waves": {n: float(v) for n, v in zip(NAMES, _short(r), strict=True)}}
+             "errors": {n: float(v) for n, v in zip(NAMES, _coefficients(r), strict=True)}}
             for r in found
         ],
         "units": {"diameter": "m", "radius": "m", "draft": "m", "errors": "share of the maximum"},
@@ -180,10 +176,10 @@ def info_rows(path=None) -> list[tuple[str, str]]:
     ]
     with np.errstate(divide="ignore"):
         depths = ", ".join(f"{1 / h:g} m" if h else "deep" for h in database.inverse_depth)
-    s = database.scaled_frequency[-1]
+    last = plan_frequencies(database_plan(path), (database.diameter[0], database.radius[-1]))[-1]
     return [
         ("file", f"{path.name}, {path.stat().st_size / 1e6:.2f} MB"), *spans, ("depths", depths),
-        ("frequencies", f"{len(database.scaled_frequency)}, to {s * np.sqrt(database.gravity / database.radius[-1]):.2f} rad/s and more"),
+        ("frequencies", f"{len(database.scaled_frequency)}, to {last:.2f} rad/s and more"),
         ("headings", f"{len(database.heading)}, all others by symmetry"), ("solver", solver), ("checksum", f"{mark[:16]}, verified"),
     ]  # fmt: skip
 

@@ -254,13 +254,15 @@ def database_build(
     folder: Annotated[Path, typer.Option(help="folder of the solutions; a stopped build goes on there")] = Path("database_work"),
     jobs: Annotated[int, typer.Option(help="processes")] = 2,
     dask: Annotated[str | None, typer.Option(help="address of a Dask scheduler, host:port", show_default=False)] = None,
+    plan: Annotated[Path | None, typer.Option(help="TOML file of another plan: bounds, points, depths, frequencies, panels", show_default=False)] = None,
     json: JSON = False, quiet: QUIET = False, verbose: VERBOSE = False,
 ) -> None:  # fmt: skip
     """Solve the family of semisubmersibles (needs the extra bem) and pack it into one file; under an hour on two cores."""
     from fowtio import terminal
-    from fowtio.database import DatabasePlan, collect, processor_time, solve_plan, write_database
+    from fowtio.database import DatabasePlan, processor_time, read_plan, solve_plan, write_database
+    from fowtio.database_assemble import collect
 
-    plan = DatabasePlan()
+    plan = read_plan(plan) if plan else DatabasePlan()
     with terminal.Progress(quiet=quiet or json) as say:
         solve_plan(plan, folder, jobs=jobs, dask=dask, progress=lambda done, total: say(f"hull {done} of {total}"))
         path = write_database(collect(plan, folder), out, plan)

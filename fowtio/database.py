@@ -1,8 +1,8 @@
 """The coefficient database: a family of hulls solved on a tensor grid of Chebyshev points, resumable, checked, packed.
 
-The family is the three-column semisubmersible (column diameter, platform radius, draft). Frequencies are chosen for every
-hull as omega = s sqrt(g / radius) with common s: the phases of the waves between the columns, exp(i k radius), are then the
-same on all hulls, and what is left varies smoothly with the geometry.
+The family is the three-column semisubmersible (column diameter, platform radius, draft). Every hull is solved at the same scaled
+frequencies (`model.system.hydro_database`): the phases of the waves between the columns and the resonances between them are then at
+the same place on all hulls, and what is left varies smoothly with the geometry.
 """
 
 from __future__ import annotations
@@ -11,50 +11,50 @@ import hashlib
 import json
 import os
 import time
+import tomllib
 from contextlib import contextmanager, nullcontext
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from fowtio.bem import BemSettings, capytaine_body, extrapolated, far_field, load_capytaine, solve_frequency
+from fowtio.bem import DEEP, BemSettings, capytaine_body, extrapolated, far_field, load_capytaine, solve_frequency
 from fowtio.errors import FormatError, ModelError
 from fowtio.hulls import semi_mesh
-from model.system.hydro_database import HydroDatabase, interpolate, lagrange
+from model.system.hydro_database import HydroDatabase, hull_frequency
 
 DIMENSIONS = ("diameter", "radius", "draft")
+FIXED_LENGTH = (*DIMENSIONS, "depth_points", "panels")
 GRAVITY = 9.80665
-FORM = "fowtio hydrodynamic database 1"
-SHORT_PERIOD = 4.0
+FORM = "fowtio hydrodynamic database 2"
 EMBEDDED = "semi_database.nc"
 
 
 @dataclass(frozen=True, kw_only=True)
 class DatabasePlan:
     """What is computed: bounds [m] and numbers of Chebyshev points of diameter, radius and draft; water depths [m], deep
-    first; numbers of points on which the change from deep water is computed; scaled frequencies s; headings [rad]; panels (numbers along column, plate top, plate side, bottom; around; central column).
+    first; numbers of points on which the change from deep water is computed; scaled frequencies s and their stretch with
+    diameter / radius; headings [deg]; panels (numbers along column, plate top, plate side, bottom; around) and how much finer
+    they are near still water.
     """
 
-    diameter: tuple[float, float, int] = (14.0, 20.0, 4)
+    diameter: tuple[float, float, int] = (14.0, 20.0, 5)
     radius: tuple[float, float, int] = (30.0, 45.0, 6)
     draft: tuple[float, float, int] = (20.0, 32.0, 5)
     depths: tuple[float, ...] = (np.inf, 370.0, 200.0)
     depth_points: tuple[int, int, int] = (3, 3, 3)
     scaled_frequency: tuple[float, ...] = tuple(
-        np.round(
-            np.sort(np.r_[
-                np.arange(1, 35) * 0.1, 1.25, 1.65, 1.75, 1.95 + np.arange(7) * 0.1, 2.75, 2.95 + np.arange(5) * 0.1,
-                3.4 + np.arange(1, 9) * 0.15,
-            ]), 3,
-        ).tolist()
-    )  # fmt: skip
-    headings_deg: tuple[float, ...] = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
+        np.round(np.sort(np.r_[0.1, 0.2, 0.3, 0.4, np.arange(10, 95) * 0.05, 2.175, 2.225, 2.275, 2.425, 4.175, 4.225, 4.575]), 3).tolist()
+    )
+    stretch: float = 0.05
+    headings_deg: tuple[float, ...] = tuple(np.arange(0.0, 61.0, 5.0).tolist())
     central_diameter: float = 8.3
     plate_ratio: float = 2.0
     plate_thickness: float = 6.0
     panels: tuple[int, ...] = (4, 2, 1, 3)
     around: int = 14
+    waterline_power: float = 1.7
     density: float = 1025.0
     method: str = "direct"
 
@@ -82,8 +82,13 @@ def plan_nodes(plan: DatabasePlan, counts=None) -> np.ndarray:
 
 def low_rows(plan: DatabasePlan) -> int:
     """Return how many of the scaled frequencies feel the bottom of the shallowest water on some hull (k h < 5)."""
-    shallow = min(plan.depths)
-    return int(np.sum(np.array(plan.scaled_frequency) ** 2 * shallow / plan.radius[1] <= 5.0))
+    longest = (plan.diameter[0], plan.radius[1])
+    return int(np.sum(plan_frequencies(plan, longest) ** 2 / GRAVITY * min(plan.depths) <= DEEP))
+
+
+def plan_frequencies(plan: DatabasePlan, hull) -> np.ndarray:
+    """Return the frequencies [rad/s] at which a hull (diameter, radius, ... [m]) is solved."""
+    return hull_frequency(np.array(plan.scaled_frequency), *hull[:2], plan.stretch, GRAVITY)
 
 
 def plan_meshes(plan: DatabasePlan, diameter: float, radius: float, draft: float) -> list:
@@ -91,6 +96,7 @@ def plan_meshes(plan: DatabasePlan, diameter: float, radius: float, draft: float
     common = {
         "plate_diameter": plan.plate_ratio * diameter, "plate_thickness": plan.plate_thickness,
         "central_diameter": plan.central_diameter, "size": plan.panels, "around": plan.around,
+        "power": plan.waterline_power,
     }  # fmt: skip
     return [semi_mesh(diameter, radius, draft, refine=refine, **common) for refine in (1, 2)]
 
@@ -109,23 +115,25 @@ def solve_hull(plan: DatabasePlan, hull, depth: float, rows: int | None = None, 
     """
     settings = plan_settings(plan, depth)
     meshes = plan_meshes(plan, *hull)
-    bodies = [capytaine_body(m) for m in (meshes[:1] * 2 if coarse else meshes)]
+    bodies = [capytaine_body(m) for m in (meshes[:1] if coarse else meshes)]
     solver = load_capytaine().BEMSolver(method=plan.method)
-    omega = np.array(plan.scaled_frequency[:rows]) * np.sqrt(GRAVITY / hull[1])
+    omega = plan_frequencies(plan, hull)[:rows]
     out = {
-        "values": np.array([pack(*(solve_frequency(b, w, settings, solver) for b in bodies), w, settings) for w in omega]),
+        "values": np.array([pack([solve_frequency(b, w, settings, solver) for b in bodies], w, settings) for w in omega]),
         "omega": omega,
     }
     if rows is None:
         for name, w in (("zero", 0.0), ("infinite", np.inf)):
-            coarse, fine = (solve_frequency(b, w, settings, solver) for b in bodies)
-            out[name] = reduced(extrapolated(coarse["added_mass"], fine["added_mass"]))
+            found = [solve_frequency(b, w, settings, solver)["added_mass"] for b in bodies]
+            out[name] = reduced(extrapolated(found[0], found[-1]))
     return out
 
 
-def pack(coarse: dict, fine: dict, omega: float, settings: BemSettings) -> np.ndarray:
-    """Return one row: five added masses, five dampings (11, 33, 55, 66, 15) and excitation (real, imaginary) by heading and motion."""
-    added, force, circle = (extrapolated(coarse[name], fine[name]) for name in ("added_mass", "excitation", "circle"))
+def pack(found: list[dict], omega: float, settings: BemSettings) -> np.ndarray:
+    """Return one row of the solutions on one mesh, or extrapolated from those on two: five added masses, five dampings (11, 33,
+    55, 66, 15) and excitation (real, imaginary) by heading and motion.
+    """
+    added, force, circle = (extrapolated(found[0][name], found[-1][name]) for name in ("added_mass", "excitation", "circle"))
     damping = far_field(circle, "three-fold xz", omega, settings)
     return np.concatenate([reduced(added), reduced(damping), force.real.ravel(), force.imag.ravel()])
 
@@ -140,8 +148,7 @@ def reduced(matrix: np.ndarray) -> np.ndarray:
 
 def tasks(plan: DatabasePlan) -> list[tuple[str, int, float]]:
     """Return everything to solve: ("hull", number, inf) on the grid, then ("depth", number, depth) on the coarser one."""
-    finite = len(plan.depths) > 1
-    depth = [("depth", k, h) for h in plan.depths for k in range(int(np.prod(plan.depth_points)) * finite)]
+    depth = [("depth", k, h) for h in plan.depths[1:] for k in range(int(np.prod(plan.depth_points)))]
     return [("hull", k, np.inf) for k in range(len(plan_nodes(plan)))] + depth
 
 
@@ -159,7 +166,7 @@ def run_task(plan: DatabasePlan, task: tuple[str, int, float], folder: str | Pat
     if kind == "hull":
         found = solve_hull(plan, plan_nodes(plan)[number], depth)
     else:
-        found = solve_hull(plan, plan_nodes(plan, plan.depth_points)[number], depth, low_rows(plan), coarse=True)
+        found = solve_hull(plan, plan_nodes(plan, plan.depth_points)[number], depth, low_rows(plan))
     part = path.with_suffix(f".{os.getpid()}.tmp")
     with open(part, "wb") as file:
         np.savez(file, **found, processor_time=time.process_time() - start)
@@ -177,9 +184,7 @@ def fingerprint(plan: DatabasePlan) -> str:
     return hashlib.sha256(json.dumps(asdict(plan), sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
-def solve_plan(
-    plan: DatabasePlan, folder: str | Path, *, jobs: int = 2, dask: str | None = None, progress=None
-) -> None:
+def solve_plan(plan: DatabasePlan, folder: str | Path, *, jobs: int = 2, dask: str | None = None, progress=None) -> None:
     """Solve what is missing of a plan, in parallel over hulls through joblib; a stopped run goes on where it was.
 
     dask is the address of a scheduler (host:port) whose workers see the folder; without it `jobs` processes run here.
@@ -224,80 +229,28 @@ def _dask_workers(address: str):
         yield
 
 
-def collect(plan: DatabasePlan, folder: str | Path) -> HydroDatabase:
-    """Return the database of a solved plan; raises ModelError naming how much is missing."""
-    folder, hulls = Path(folder), plan_nodes(plan)
-    missing = [task for task in tasks(plan) if not task_path(folder, task).exists()]
-    if missing:
-        raise ModelError(
-            f"{len(missing)} of {len(tasks(plan))} solutions are missing in {folder}; run fowtio database build again"
-        )
-    headings, axes = np.radians(plan.headings_deg), plan_axes(plan)
-    solved = [dict(np.load(task_path(folder, ("hull", k, np.inf)))) for k in range(len(hulls))]
-    rows = [
-        np.concatenate([_still_row(plan, h, d["zero"], len(headings))[None], d["values"]])
-        for h, d in zip(hulls, solved, strict=True)
-    ]
-    shape, deep = tuple(len(a) for a in axes), np.array(rows)
-    values = [deep]
-    for depth in plan.depths[1:]:
-        here = deep.copy()
-        here[:, 1 : 1 + low_rows(plan)] += _change(plan, folder, depth)
-        values.append(here)
-    values = np.array(values).reshape(len(values), *shape, *deep.shape[1:])
-    infinite = np.array([d["infinite"] for d in solved]).reshape(*shape, 5)
-    return HydroDatabase(
-        diameter=axes[0], radius=axes[1], draft=axes[2], inverse_depth=1 / np.array(plan.depths), heading=headings,
-        scaled_frequency=np.concatenate([[0.0], plan.scaled_frequency]), values=values, infinite=infinite, density=plan.density,
-        gravity=GRAVITY,
-    )  # fmt: skip
-
-
-def _change(plan: DatabasePlan, folder: Path, depth: float) -> np.ndarray:
-    """Return the change of the low rows (hull, row, quantity) from deep water to a depth, from the coarser grid of hulls.
-
-    On the coarse mesh: the change comes from the waves, and differs by the mesh's error of a part of the value.
-    """
-
-    def stack(h):
-        count = int(np.prod(plan.depth_points))
-        return np.array([np.load(task_path(folder, ("depth", k, h)))["values"] for k in range(count)])
-
-    change = stack(depth) - stack(plan.depths[0])
-    coarse, fine = plan_axes(plan, plan.depth_points), plan_axes(plan)
-    weights = [lagrange(c, f)[0] for c, f in zip(coarse, fine, strict=True)]
-    change = change.reshape(*plan.depth_points, *change.shape[1:]) / coarse[0][:, None, None, None, None] ** 2
-    change = np.einsum("ai,bj,ck,ijk...->abc...", *weights, change) * fine[0][:, None, None, None, None] ** 2
-    return change.reshape(-1, *change.shape[3:])
-
-
-def _still_row(plan: DatabasePlan, hull, zero: np.ndarray, headings: int) -> np.ndarray:
-    """Return the row of zero frequency: added mass of still deep water, no damping, the waterplane's stiffness as excitation."""
-    area = np.pi / 4 * (3 * hull[0] ** 2 + plan.central_diameter**2)
-    force = np.zeros((headings, 6))
-    force[:, 2] = plan.density * GRAVITY * area
-    return np.concatenate([zero, np.zeros(5), force.ravel(), np.zeros(6 * headings)])
-
-
 def write_database(database: HydroDatabase, path: str | Path, plan: DatabasePlan) -> Path:
-    """Write a database as netCDF with the plan, the solver's version and a checksum; finite depths as differences from deep water."""
+    """Write a database as netCDF with the plan, the solver's version and a checksum; finite depths as differences from deep water.
+
+    Numbers are rounded to 4 parts in a million, for a file of half the size.
+    """
     path = Path(path)
-    values = np.asarray(database.values, dtype=np.float32)
+    values = np.asarray(database.values)
     change = values[1:] - values[0]
     felt = np.flatnonzero(np.any(change != 0, axis=(0, 1, 2, 3, 5)))
     rows = int(felt.max()) + 1 if len(felt) else 0
     grid = ("diameter", "radius", "draft")
     data = xr.Dataset(
         {
-            "deep": ((*grid, "scaled_frequency", "quantity"), values[0]),
-            "change": (("finite_depth", *grid, "low_frequency", "quantity"), change[..., :rows, :]),
-            "infinite": ((*grid, "matrix"), np.asarray(database.infinite, dtype=np.float32)),
+            "deep": ((*grid, "scaled_frequency", "quantity"), _rounded(values[0])),
+            "change": (("finite_depth", *grid, "low_frequency", "quantity"), _rounded(change[..., :rows, :])),
+            "infinite": ((*grid, "matrix"), _rounded(database.infinite)),
         },
         coords={name: database.__dict__[name] for name in (*grid, "scaled_frequency")}
         | {"inverse_depth": ("finite_depth", database.inverse_depth[1:]), "heading": database.heading},
         attrs={
             "form": FORM, "solver": f"Capytaine {load_capytaine().__version__}", "plan": json.dumps(asdict(plan), default=str),
-            "density": database.density, "gravity": database.gravity,
+            "density": database.density, "gravity": database.gravity, "stretch": database.stretch,
             "quantities": "added mass 11 33 55 66 15, damping alike, real and imaginary excitation (heading, 6), SI, e^{+i omega t}",
         },
     )  # fmt: skip
@@ -309,6 +262,12 @@ def write_database(database: HydroDatabase, path: str | Path, plan: DatabasePlan
     return path
 
 
+def _rounded(values: np.ndarray) -> np.ndarray:
+    """Return 32-bit numbers with the last 6 of their 24 binary digits zero: they pack better."""
+    bits = np.array(values, dtype=np.float32).view(np.uint32)
+    return ((bits + np.uint32(32)) & np.uint32(0xFFFFFFC0)).view(np.float32)
+
+
 def read_database(path: str | Path | None = None) -> HydroDatabase:
     """Return a database from its file (the one that comes with fowtio when no path is given); its checksum is verified."""
     path = embedded_path() if path is None else Path(path)
@@ -318,16 +277,11 @@ def read_database(path: str | Path | None = None) -> HydroDatabase:
     except OSError as error:
         raise FormatError(path, expected="a coefficient database (netCDF)", found=str(error)) from None
     if data.attrs.get("form") != FORM:
-        raise FormatError(
-            path, expected=FORM, found=str(data.attrs.get("form")), hint="fowtio database build writes one"
-        )
+        raise FormatError(path, expected=FORM, found=str(data.attrs.get("form")), hint="fowtio database build writes one")
     if checksum(data) != data.attrs["checksum"]:
         raise FormatError(
-            path,
-            expected=f"checksum {data.attrs['checksum']}",
-            found=checksum(data),
-            hint="The file is damaged; build or fetch it again",
-        )
+            path, expected=f"checksum {data.attrs['checksum']}", found=checksum(data), hint="The file is damaged; build or fetch it again"
+        )  # fmt: skip
     deep = data["deep"].values
     values = np.repeat(deep[None], 1 + data.sizes["finite_depth"], axis=0)
     change = data["change"].values
@@ -335,20 +289,37 @@ def read_database(path: str | Path | None = None) -> HydroDatabase:
     return HydroDatabase(
         **{name: data[name].values for name in ("diameter", "radius", "draft", "scaled_frequency", "heading")},
         inverse_depth=np.concatenate([[0.0], data["inverse_depth"].values]), values=values, infinite=data["infinite"].values,
-        density=data.attrs["density"], gravity=data.attrs["gravity"],
+        density=data.attrs["density"], gravity=data.attrs["gravity"], stretch=data.attrs["stretch"],
     )  # fmt: skip
 
 
 def database_plan(path: str | Path | None = None) -> DatabasePlan:
     """Return the plan that a database was built from."""
     with xr.open_dataset(embedded_path() if path is None else path, engine="h5netcdf") as file:
-        stored = json.loads(file.attrs["plan"])
-    return DatabasePlan(
-        **{
-            k: tuple(float(x) for x in v) if k == "depths" else tuple(v) if isinstance(v, list) else v
-            for k, v in stored.items()
-        }
-    )
+        return _plan(json.loads(file.attrs["plan"]))
+
+
+def read_plan(path: str | Path) -> DatabasePlan:
+    """Return the plan of a TOML file: fields of DatabasePlan, those not given as by default; raise FormatError."""
+    try:
+        data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise FormatError(path, expected="TOML", found=str(error)) from None
+    known = {f.name: f.default for f in fields(DatabasePlan)}
+    for name, value in data.items():
+        if name not in known:
+            raise FormatError(path, expected=f"fields of a plan: {', '.join(known)}", found=name)
+        listed, wanted = isinstance(value, list), known[name]
+        if listed != isinstance(wanted, tuple) or (name in FIXED_LENGTH and len(value) != len(wanted)):
+            raise FormatError(path, expected=f"{name} like {wanted}", found=str(value))
+    return _plan(data)
+
+
+def _plan(data: dict) -> DatabasePlan:
+    tuples = {k: tuple(v) for k, v in data.items() if isinstance(v, list)}
+    if "depths" in tuples:
+        tuples["depths"] = tuple(map(float, tuples["depths"]))
+    return DatabasePlan(**data | tuples)
 
 
 def embedded_path() -> Path:
@@ -367,75 +338,3 @@ def checksum(data: xr.Dataset) -> str:
     for name in sorted(map(str, data.variables)):
         digest.update(np.ascontiguousarray(data[name].values).tobytes())
     return digest.hexdigest()
-
-
-def held_out(
-    database: HydroDatabase,
-    plan: DatabasePlan,
-    designs,
-    *,
-    depth: float = np.inf,
-    jobs: int = 2,
-    folder: str | Path | None = None,
-) -> list[dict]:
-    """Return the errors of interpolated coefficients on hulls (N, 3) that the database has not seen, solved afresh.
-
-    Solved half-way between the plan's frequencies, where the splines are worst. For every hull the largest difference over
-    the waves of 4 s and longer (and headings), as a share of the largest value of that coefficient on the hull, for
-    the five added masses, the five dampings and the six excitations; of shorter waves as NAME_short; both curves besides.
-    """
-    from joblib import Parallel, delayed
-
-    designs, s = np.atleast_2d(designs), np.array(plan.scaled_frequency)
-    between = replace(plan, scaled_frequency=tuple(((s[1:] + s[:-1]) / 2).tolist()))
-    rows = None if np.isinf(depth) else low_rows(between)
-    work = (delayed(_solved_before)(between, tuple(map(float, hull)), depth, rows, folder) for hull in designs)
-    return [
-        _errors(database, plan, hull, found, depth)
-        for hull, found in zip(designs, Parallel(n_jobs=jobs)(work), strict=True)
-    ]
-
-
-def _solved_before(plan, hull, depth, rows, folder):
-    """Solve a hull, or take it from the folder where it was solved before."""
-    if folder is None:
-        return solve_hull(plan, hull, depth, rows)
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    path = Path(folder) / ("test_" + "_".join(f"{x:.4f}" for x in hull) + f"_{depth:g}.npz")
-    if not path.exists():
-        np.savez(path, **solve_hull(plan, hull, depth, rows))
-    return dict(np.load(path))
-
-
-def _errors(database, plan, hull, found, depth) -> dict:
-    m, omega, values = len(plan.headings_deg), found["omega"], found["values"]
-    heading = np.radians(plan.headings_deg)
-    solved = (
-        values[:, :5],
-        values[:, 5:10],
-        (values[:, 10 : 10 + 6 * m] + 1j * values[:, 10 + 6 * m :]).reshape(-1, m, 6),
-    )
-    guessed = _reduced_batch(interpolate(database, hull, omega, heading, depth=depth))
-    everywhere = np.array(plan.scaled_frequency) * np.sqrt(GRAVITY / hull[1])
-    largest = _reduced_batch(interpolate(database, hull, everywhere, heading, depth=depth))
-    out = {
-        "hull": tuple(map(float, hull)),
-        "depth": depth,
-        "omega": omega,
-        "curves": {"solved": solved, "interpolated": guessed},
-    }
-    long = omega <= 2 * np.pi / SHORT_PERIOD
-    for name, a, b, c, axes in zip(
-        ("added_mass", "radiation_damping", "excitation"), guessed, solved, largest, (0, 0, (0, 1)), strict=True
-    ):
-        error = np.abs(a - b) / np.abs(c).max(axis=axes)
-        out[name] = error[long].max(axis=axes)
-        if not np.all(long):
-            out[f"{name}_short"] = error[~long].max(axis=axes)
-    return out
-
-
-def _reduced_batch(batch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return one hull's added mass and damping (n, 5) and excitation (n, m, 6)."""
-    added, damping = (np.array([reduced(x) for x in a[0]]) for a in (batch.added_mass, batch.radiation_damping))
-    return added, damping, np.moveaxis(batch.excitation[0], 0, 1)

@@ -67,14 +67,16 @@ def turned(panels: np.ndarray, angle: float) -> np.ndarray:
     return panels @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]).T
 
 
-def revolved(corners, size, around: int, *, refine: int = 1, centre=(0.0, 0.0), sector=(0.0, 2 * np.pi)) -> np.ndarray:
+def revolved(
+    corners, size, around: int, *, refine: int = 1, centre=(0.0, 0.0), sector=(0.0, 2 * np.pi), power: float = WATERLINE_POWER
+) -> np.ndarray:
     """Return panels of a surface of revolution about a vertical axis.
 
     corners (k, 2): radius and elevation [m] from the waterline down to the axis; size of panels along the profile [m], or their number on each piece;
     `around` panels on the full circle; refine divides every panel's side by a whole number; centre (2) [m]; sector of
-    angles [rad]. Rows are finer near still water, where waves are.
+    angles [rad]. Rows are finer near still water, where waves are, at depths that go with a power of their number.
     """
-    profile = polyline(corners, size, refine)
+    profile = polyline(corners, size, refine, power)
     count = refine * max(1, round(around * (sector[1] - sector[0]) / (2 * np.pi)))
     angle = np.linspace(*sector, count + 1)
     step = angle[1] - angle[0]
@@ -85,10 +87,10 @@ def revolved(corners, size, around: int, *, refine: int = 1, centre=(0.0, 0.0), 
     return _quads(points)
 
 
-def polyline(corners, size, refine: int = 1) -> np.ndarray:
+def polyline(corners, size, refine: int = 1, power: float = WATERLINE_POWER) -> np.ndarray:
     """Return points along straight pieces between corners; a piece that starts at still water is finer there.
 
-    size is a length [m], or the number of panels of every piece.
+    size is a length [m], or the number of panels of every piece; power is that of `revolved`.
     """
     corners = np.asarray(corners, dtype=float)
     pieces = [corners[:1]]
@@ -96,7 +98,7 @@ def polyline(corners, size, refine: int = 1) -> np.ndarray:
         count = refine * (max(1, round(np.linalg.norm(b - a) / size)) if np.isscalar(size) else size[k])
         u = np.linspace(0.0, 1.0, count + 1)[1:, None]
         at_surface = a[1] == 0 and b[1] < 0
-        pieces.append(a + (u**WATERLINE_POWER if at_surface else u) * (b - a))
+        pieces.append(a + (u**power if at_surface else u) * (b - a))
     return np.concatenate(pieces)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fowtio.hull_mesh import HullMesh, box, box_lid, lid_disc, revolved, tube
+from fowtio.hull_mesh import WATERLINE_POWER, HullMesh, box, box_lid, lid_disc, revolved, tube
 from model.design.hull import SemiHull, wet_braces
 
 SIXTH = (2 * np.pi / 3, np.pi)
@@ -15,14 +15,14 @@ QUARTER = (0.0, np.pi / 2)
 def semi_mesh(
     diameter: float, radius: float, draft: float, *, plate_diameter: float | None = None, plate_thickness: float = 6.0,
     central_diameter: float = 8.3, central_draft: float | None = None, size=6.0, around: int = 12, refine: int = 1,
-    members=(),
+    members=(), power: float = WATERLINE_POWER,
 ) -> HullMesh:  # fmt: skip
     """Return the mesh of a three-column semisubmersible with heave plates and a central column, one column at -x.
 
     Column diameter, radius of the platform (axis to column axis), draft, heave plate diameter (twice the column's when not
     given) and thickness, central column's diameter and draft [m]; panels of `size` [m] along the profile (or their
     numbers along column, plate top, plate side and bottom) and `around` on a circle, both divided by `refine`. members: pontoons and braces of one sixth of the hull, from
-    `semi_braces`. Three-fold and mirror symmetry.
+    `semi_braces`. power: how fine the columns are near still water, see `revolved`. Three-fold and mirror symmetry.
     """
     r, plate = diameter / 2, (2 * diameter if plate_diameter is None else plate_diameter) / 2
     top, centre = -draft + plate_thickness, (-radius, 0.0)
@@ -33,8 +33,8 @@ def semi_mesh(
     if np.isscalar(size):
         rings, inner_around = max(1, round(r / size)), 6 * max(1, round(np.pi * central_diameter / size / 6))
     parts = [
-        revolved(column, size, around, refine=refine, centre=centre, sector=HALF),
-        revolved(middle, inner, inner_around, refine=refine, sector=SIXTH),
+        revolved(column, size, around, refine=refine, centre=centre, sector=HALF, power=power),
+        revolved(middle, inner, inner_around, refine=refine, sector=SIXTH, power=power),
     ]
     parts += [_brace(*m, refine, *_brace_panels(size, around)) for m in members]
     lid = [

@@ -97,8 +97,6 @@ def optimise(
 
 
 def _judge(setting: Setting, names, constraints, mapper) -> Callable[[np.ndarray], Evaluation]:
-    setting.database.splines  # noqa: B018  once, before threads share it
-
     def judge(designs):
         return in_chunks(ChunkJudge(setting=setting, names=names, constraints=constraints), designs, mapper or map)
 

@@ -2,8 +2,13 @@
 
 The family has three numbers (column diameter, platform radius, draft) and three-fold symmetry, so added mass and damping have five
 numbers (11 = 22, 33, 55 = 44, 66, 15 = -24) and headings of 0 to 60 degrees say all. Polynomials through Chebyshev points in the
-dimensions, at equal scaled frequency s = omega sqrt(radius / g), of the values over the columns' diameter squared (their section, which all
-of them grow with); cubic splines in s, trigonometric polynomials in the heading.
+dimensions, at equal scaled frequency, of the values over the columns' diameter squared (their section, which all of them grow with),
+and of the square root of the heave damping (the amplitude of the waves that heave makes); cubic splines in the scaled frequency,
+trigonometric polynomials in the heading.
+
+The scaled frequency s follows from omega sqrt(radius / g) = s + stretch s^2 (diameter / radius - MIDDLE_RATIO): without the stretch the phases
+of the waves between the columns, exp(i k radius), are the same on all hulls; with it the resonances between the columns, which
+thick columns move up, lie at the same s too.
 """
 
 from __future__ import annotations
@@ -31,7 +36,9 @@ REDUCED = (
 )
 MIRROR = np.array([1.0, -1, 1, -1, 1, -1])
 TAIL_POWERS = (2.0, 4.0, 2.0)
-_TABLES = 4
+MIDDLE_RATIO = 0.47
+HEAVE_DAMPING = 6
+_TABLES = 8
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -40,7 +47,8 @@ class HydroDatabase:
 
     diameter (a), radius (b), draft (c): Chebyshev points [m]; inverse_depth (h) [1/m], 0 is deep water; scaled_frequency (n),
     starting at 0; heading (m) [rad] from 0 to 60 degrees; values (h, a, b, c, n, 10 + 12 m): five added masses, five dampings,
-    real and imaginary parts of the excitation (m, 6); infinite (a, b, c, 5) added mass; density [kg/m3], gravity [m/s2].
+    real and imaginary parts of the excitation (m, 6); infinite (a, b, c, 5) added mass; density [kg/m3], gravity [m/s2];
+    stretch of the scaled frequency with diameter / radius.
     """
 
     diameter: np.ndarray
@@ -53,6 +61,7 @@ class HydroDatabase:
     infinite: np.ndarray
     density: float
     gravity: float
+    stretch: float = 0.0
 
     def __post_init__(self):
         for name in ("diameter", "radius", "draft", "inverse_depth", "scaled_frequency", "heading"):
@@ -69,19 +78,13 @@ class HydroDatabase:
             raise ValueError(f"the scaled frequency starts at {self.scaled_frequency[0]}, it must start at 0")
 
     @cached_property
-    def splines(self) -> np.ndarray:
-        """Cubic B-spline coefficients (h, a, b, c, n, quantities) of the values along the scaled frequency."""
-        values = np.asarray(self.values, dtype=float)
-        return make_interp_spline(self.scaled_frequency, values, k=3, axis=4).c.transpose(1, 2, 3, 4, 0, 5)
-
-    @cached_property
     def tables(self) -> dict[tuple, np.ndarray]:
         """Spline coefficients at the depths and headings that were asked for last."""
         return {}
 
     @cached_property
     def knots(self) -> np.ndarray:
-        """Knots of the splines."""
+        """Knots of the cubic splines along the scaled frequency."""
         return make_interp_spline(self.scaled_frequency, np.zeros(len(self.scaled_frequency)), k=3).t
 
 
@@ -111,15 +114,14 @@ def interpolate(database: HydroDatabase, designs, omega, heading=(0.0,), *, dept
     designs, omega, heading = _checked(database, designs, omega, heading)
     table = _table(database, depth, heading)
     weights, _ = _weights(database, designs)
-    values = _at_frequencies(
-        database, (weights @ table.reshape(len(table), -1)).reshape(len(designs), *table.shape[1:]), designs, omega
-    )
-    infinite = weights @ database.infinite.reshape(-1, 5)
-    zero = weights @ table[:, 0, :5]
-    added, damping, excitation = _tails(database, values, infinite, designs, omega, len(heading))
+    section = designs[:, :1] ** 2
+    values = _at_frequencies(database, _of_hulls(weights, table), designs, omega)
+    values[..., HEAVE_DAMPING] **= 2
+    infinite = section * (weights @ _over_section(database, database.infinite).reshape(-1, 5))
+    added, damping, excitation = _tails(database, values * section[..., None], infinite, designs, omega, len(heading))
     return HydroBatch(
         omega=omega, heading=heading, added_mass=full_matrix(added), radiation_damping=full_matrix(positive(damping, designs[:, 2])),
-        added_mass_zero=full_matrix(zero), added_mass_infinite=full_matrix(infinite), excitation=excitation,
+        added_mass_zero=full_matrix(section * (weights @ table[:, 0, :5])), added_mass_infinite=full_matrix(infinite), excitation=excitation,
     )  # fmt: skip
 
 
@@ -132,22 +134,35 @@ def derivative(
     Exact derivatives of `interpolate` inside the data's frequencies, where damping needed no correction.
     """
     designs, omega, heading = _checked(database, designs, omega, heading)
-    table = _table(database, depth, heading)
+    table, m = _table(database, depth, heading), len(heading)
     weights, slopes = _weights(database, designs)
-    flat, shape = table.reshape(len(table), -1), (len(designs), *table.shape[1:])
-    moved = [_at_frequencies(database, (s @ flat).reshape(shape), designs, omega) for s in slopes]
-    here = (weights @ flat).reshape(shape)
-    stretch = _at_frequencies(database, here, designs, omega, order=1)
-    s = omega * np.sqrt(designs[:, 1, None] / database.gravity)
-    moved[1] = moved[1] + stretch * (s / (2 * designs[:, 1, None]))[..., None]
-    moved = np.array(moved)
-    m = len(heading)
+    here = _of_hulls(weights, table)
+    steep = _at_frequencies(database, here, designs, omega, order=1)
+    here = _at_frequencies(database, here, designs, omega)
+    moved = np.array([_at_frequencies(database, _of_hulls(s, table), designs, omega) for s in slopes])
+    moved += _frequency_slopes(database, designs, omega)[..., None] * steep
+    moved[..., HEAVE_DAMPING] *= 2 * here[..., HEAVE_DAMPING]
+    here[..., HEAVE_DAMPING] **= 2
+    moved = _with_section(moved, here, designs[:, 0, None, None])
     force = moved[..., 10 : 10 + 6 * m] + 1j * moved[..., 10 + 6 * m :]
     force = force.reshape(*moved.shape[:-1], m, 6)
+    infinite = _over_section(database, database.infinite).reshape(-1, 5)
+    limit = _with_section(np.array(slopes) @ infinite, weights @ infinite, designs[:, :1])
     return {
         "added_mass": full_matrix(moved[..., :5]), "radiation_damping": full_matrix(moved[..., 5:10]),
-        "excitation": np.moveaxis(force, 3, 2), "added_mass_infinite": full_matrix(np.array(slopes) @ database.infinite.reshape(-1, 5)),
+        "excitation": np.moveaxis(force, 3, 2), "added_mass_infinite": full_matrix(limit),
     }  # fmt: skip
+
+
+def scaled_frequency(omega, diameter, radius, stretch: float, gravity: float) -> np.ndarray:
+    """Return the scaled frequencies s of frequencies [rad/s] on hulls [m] (see the module's head)."""
+    bare = omega * np.sqrt(radius / gravity)
+    return 2 * bare / (1 + np.sqrt(1 + 4 * stretch * (diameter / radius - MIDDLE_RATIO) * bare))
+
+
+def hull_frequency(s, diameter, radius, stretch: float, gravity: float) -> np.ndarray:
+    """Return the frequencies [rad/s] of scaled frequencies on hulls [m]: the inverse of `scaled_frequency`."""
+    return (s + stretch * (diameter / radius - MIDDLE_RATIO) * s**2) * np.sqrt(gravity / radius)
 
 
 def full_matrix(reduced: np.ndarray) -> np.ndarray:
@@ -237,29 +252,41 @@ def _table(database: HydroDatabase, depth: float, heading: np.ndarray) -> np.nda
             f"the depth is {depth:g} m, the database holds {shallow:g} m and deeper; build one for that depth"
         )
     key = (float(depth), heading.tobytes())
-    if key in database.tables:
-        return database.tables[key]
-    share, _ = lagrange(database.inverse_depth, np.array([inverse]))
-    table = np.tensordot(share[0], database.splines, axes=1)
-    table = table.reshape(-1, *table.shape[3:])
-    turn = heading_map(database.heading, heading).reshape(6 * len(heading), -1)
-    half = 6 * len(database.heading)
-    found = np.concatenate([table[..., :10], table[..., 10 : 10 + half] @ turn.T, table[..., 10 + half :] @ turn.T], axis=-1)
-    if len(database.tables) >= _TABLES:
-        database.tables.clear()
-    database.tables[key] = found
+    found = database.tables.get(key)
+    if found is None:
+        if len(database.tables) >= _TABLES:
+            database.tables.clear()
+        found = database.tables[key] = _fitted(database, inverse, heading)
     return found
 
 
-def _weights(database: HydroDatabase, designs: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Return the weights (N, a b c) of the grid's hulls and their derivatives by the three dimensions.
+def _fitted(database: HydroDatabase, inverse_depth: float, heading: np.ndarray) -> np.ndarray:
+    share, _ = lagrange(database.inverse_depth, np.array([inverse_depth]))
+    values = np.tensordot(share[0], np.asarray(database.values, dtype=float), axes=1)
+    turn = heading_map(database.heading, heading).reshape(6 * len(heading), -1)
+    half = 10 + 6 * len(database.heading)
+    values = np.concatenate([values[..., :10], values[..., 10:half] @ turn.T, values[..., half:] @ turn.T], axis=-1)
+    values = _over_section(database, values)
+    values[..., HEAVE_DAMPING] = np.sqrt(np.maximum(values[..., HEAVE_DAMPING], 0.0))
+    values = values.reshape(-1, *values.shape[3:])
+    return np.ascontiguousarray(np.moveaxis(make_interp_spline(database.scaled_frequency, values, k=3, axis=1).c, 0, 1))
 
-    Polynomials pass through the values over the diameter squared; times the square of the hull's own.
-    """
+
+def _over_section(database: HydroDatabase, values: np.ndarray) -> np.ndarray:
+    """Return values (a, b, c, ...) over the diameter squared."""
+    return values / database.diameter.reshape(-1, *[1] * (values.ndim - 1)) ** 2
+
+
+def _with_section(slopes: np.ndarray, values: np.ndarray, diameter: np.ndarray) -> np.ndarray:
+    """Return the derivatives (3, ...) of the diameter squared times values from those of the values."""
+    out = slopes * diameter**2
+    out[0] += 2 * diameter * values
+    return out
+
+
+def _weights(database: HydroDatabase, designs: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Return the weights (N, a b c) of the grid's hulls and their derivatives by the three dimensions."""
     parts = [lagrange(getattr(database, n), designs[:, k]) for k, n in enumerate(("diameter", "radius", "draft"))]
-    value, slope = parts[0]
-    own = designs[:, :1]
-    parts[0] = value * (own / database.diameter) ** 2, (slope * own**2 + 2 * value * own) / database.diameter**2
 
     def product(pick):
         a, b, c = (parts[k][pick[k]] for k in range(3))
@@ -268,11 +295,28 @@ def _weights(database: HydroDatabase, designs: np.ndarray) -> tuple[np.ndarray, 
     return product((0, 0, 0)), [product(tuple(int(j == k) for j in range(3))) for k in range(3)]
 
 
+def _of_hulls(weights: np.ndarray, table: np.ndarray) -> np.ndarray:
+    return (weights @ table.reshape(len(table), -1)).reshape(len(weights), *table.shape[1:])
+
+
+def _scaled(database: HydroDatabase, designs: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    return scaled_frequency(omega, designs[:, :1], designs[:, 1:2], database.stretch, database.gravity)
+
+
+def _frequency_slopes(database: HydroDatabase, designs: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """Return the derivatives (3, N, n) of the scaled frequency by diameter, radius and draft [1/m]."""
+    s, (diameter, radius) = _scaled(database, designs, omega), designs.T[:2, :, None]
+    steep = 1 + 2 * database.stretch * (diameter / radius - MIDDLE_RATIO) * s
+    bare = omega * np.sqrt(radius / database.gravity)
+    by_diameter = -database.stretch * s**2 / radius
+    return np.array([by_diameter, bare / (2 * radius) - by_diameter * diameter / radius, np.zeros_like(s)]) / steep
+
+
 def _at_frequencies(
     database: HydroDatabase, table: np.ndarray, designs: np.ndarray, omega: np.ndarray, order: int = 0
 ) -> np.ndarray:
     """Return values (N, frequencies, quantities), or their derivative by s, of spline coefficients (N, n, quantities)."""
-    s = np.minimum(omega * np.sqrt(designs[:, 1, None] / database.gravity), database.scaled_frequency[-1])
+    s = np.minimum(_scaled(database, designs, omega), database.scaled_frequency[-1])
     n = len(database.scaled_frequency)
     if order:
         pieces = BSpline(database.knots, np.eye(n), 3).derivative()
@@ -284,8 +328,8 @@ def _at_frequencies(
 
 def _tails(database: HydroDatabase, values, infinite, designs, omega, m: int):
     """Return added mass, damping (N, n, 5) and excitation (N, m, n, 6), with their decay above the data."""
-    s = omega * np.sqrt(designs[:, 1, None] / database.gravity)
-    ratio = np.minimum(1.0, database.scaled_frequency[-1] / np.maximum(s, 1e-12))[..., None]
+    last = hull_frequency(database.scaled_frequency[-1], designs[:, :1], designs[:, 1:2], database.stretch, database.gravity)
+    ratio = np.minimum(1.0, last / np.maximum(omega, 1e-12))[..., None]
     added = infinite[:, None] + (values[..., :5] - infinite[:, None]) * ratio ** TAIL_POWERS[0]
     damping = values[..., 5:10] * ratio ** TAIL_POWERS[1]
     force = (values[..., 10 : 10 + 6 * m] + 1j * values[..., 10 + 6 * m :]) * ratio ** TAIL_POWERS[2]

@@ -6,19 +6,23 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import brentq
 
 from model.system.hydro_database import (
     HydroDatabase,
     derivative,
     full_matrix,
     heading_map,
+    hull_frequency,
     interpolate,
     lagrange,
     positive,
+    scaled_frequency,
 )
 
 HEADING = np.radians(np.arange(0.0, 61.0, 10.0))
 S = np.linspace(0.0, 4.0, 21)
+STRETCH = 0.05
 COLUMNS = 37.0 * np.array([[np.cos(a), np.sin(a)] for a in np.pi + np.array([0, 2, 4]) * np.pi / 3])
 
 
@@ -40,18 +44,26 @@ def database():
     return HydroDatabase(
         diameter=axes[0], radius=axes[1], draft=axes[2], inverse_depth=np.array([0.0, 0.005]), scaled_frequency=S, heading=HEADING,
         values=base[..., None] * ratio, infinite=quantity(d, r, t, 1.0, 0.0)[0, ..., 0, None] * ratio[:5], density=1025.0, gravity=9.80665,
+        stretch=STRETCH,
     )  # fmt: skip
+
+
+def root(omega, hull):
+    """The scaled frequency of a frequency [rad/s] on a hull, by a root finder from its definition."""
+    return brentq(lambda s: s + STRETCH * s**2 * (hull[0] / hull[1] - 0.47) - omega * np.sqrt(hull[1] / 9.80665), 0.0, 10.0)
 
 
 def test_polynomials_of_the_grids_degree_are_interpolated_exactly(database):
     designs = np.array([[15.3, 33.1, 21.7], [19.2, 44.0, 30.9]])
     omega = np.array([0.2, 0.7, 1.5])
     got = interpolate(database, designs, omega, HEADING, depth=400.0)
-    s = omega * np.sqrt(designs[:, 1, None] / 9.80665)
+    s = np.array([[root(w, hull) for w in omega] for hull in designs])
     want = quantity(*(designs[:, k, None] for k in range(3)), s, 1 / 400)
     # rounding of cubic splines and of polynomials of degree 5: 1e-10
     assert got.added_mass[..., 2, 2] == pytest.approx(2 * want, rel=1e-10)
     assert got.added_mass[..., 1, 3] == pytest.approx(-5 * want, rel=1e-10)
+    # polynomials pass through the square root of the heave damping, which this one is not: a hundredth of the 1 % a database may err
+    assert got.radiation_damping[..., 2, 2] == pytest.approx(2 * want, rel=1e-4)
     assert got.added_mass_infinite[:, 5, 5] == pytest.approx(400 * quantity(*designs.T, 1.0, 0.0), rel=1e-10)
     assert np.array_equal(got.added_mass, np.swapaxes(got.added_mass, -1, -2))
 
@@ -59,9 +71,10 @@ def test_polynomials_of_the_grids_degree_are_interpolated_exactly(database):
 def test_at_the_nodes_the_data_come_back(database):
     k = (2, 4, 1)
     hull = [database.diameter[2], database.radius[4], database.draft[1]]
-    omega = S[3:9] * np.sqrt(9.80665 / hull[1])
+    omega = hull_frequency(S[3:9], *hull[:2], STRETCH, 9.80665)
     got = interpolate(database, hull, omega, HEADING[:1], depth=200.0)
     assert got.added_mass[0, :, 0, 0] == pytest.approx(database.values[(1, *k)][3:9, 0], rel=1e-10)
+    assert got.radiation_damping[0, :, 2, 2] == pytest.approx(database.values[(1, *k)][3:9, 6], rel=1e-10)
     heave = database.values[(1, *k)][3:9, 12] + 1j * database.values[(1, *k)][3:9, 12 + 42]
     assert np.allclose(got.excitation[0, 0, :, 2], heave, rtol=1e-10)
 
@@ -76,6 +89,12 @@ def test_derivatives_equal_differences(database):
             difference = (getattr(up, name) - getattr(down, name)) / (2 * h)
             # central difference of step 1e-4 m: rounding 1e-16 / 1e-4 of the values, 1e-7 of the slopes
             assert np.allclose(slope[name][k], difference, rtol=1e-6, atol=1e-7 * np.abs(difference).max())
+
+
+@given(st.floats(0.0, 3.0), st.floats(14, 20), st.floats(30, 45))
+def test_scaled_frequencies_go_back_and_forth(omega, diameter, radius):
+    s = scaled_frequency(omega, diameter, radius, STRETCH, 9.80665)
+    assert hull_frequency(s, diameter, radius, STRETCH, 9.80665) == pytest.approx(omega, rel=1e-13, abs=1e-13)
 
 
 def three_columns(k: float, heading: float) -> np.ndarray:
@@ -111,7 +130,7 @@ def test_damping_becomes_positive_semi_definite_and_good_damping_stays(values, l
 
 
 def test_above_the_data_the_coefficients_decay(database):
-    hull, last = np.array([17.0, 40.0, 25.0]), S[-1] * np.sqrt(9.80665 / 40.0)
+    hull, last = np.array([17.0, 40.0, 25.0]), hull_frequency(S[-1], 17.0, 40.0, STRETCH, 9.80665)
     got = interpolate(database, hull, [last, 2 * last], [0.0])
     gap = got.added_mass[0, :, 2, 2] - got.added_mass_infinite[0, 2, 2]
     assert gap[1] == pytest.approx(gap[0] / 4)
