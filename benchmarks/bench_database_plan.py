@@ -4,7 +4,7 @@
 
 Every plan's hulls and the random ones are solved on the coarse mesh alone; the table gives the largest error, in % of a coefficient's
 largest value on a hull, from the polynomials in the dimensions (at the plan's frequencies and headings) and with the splines
-and headings (half-way between them), and where it lies. 4 to 6 minutes of processor time a plan.
+and headings (half-way between them), and where it lies. 5 to 8 minutes of processor time a plan.
 """
 
 from __future__ import annotations
