@@ -553,7 +553,8 @@ def main() -> None:
     except (KeyboardInterrupt, SystemExit) as stop:
         code = EXIT_INTERRUPTED if isinstance(stop, KeyboardInterrupt) else stop.code
         if code == EXIT_INTERRUPTED:
-            print("interrupted; nothing was written", file=sys.stderr)
+            kept = bool({"bem", "database", "optimise"} & set(sys.argv[1:2]))
+            print("interrupted; " + ("what is done is kept, the same command goes on from there" if kept else "nothing was written"), file=sys.stderr)
         sys.exit(code)
     except OSError as error:
         print(f"error: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
