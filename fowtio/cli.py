@@ -553,7 +553,7 @@ def main() -> None:
     except (KeyboardInterrupt, SystemExit) as stop:
         code = EXIT_INTERRUPTED if isinstance(stop, KeyboardInterrupt) else stop.code
         if code == EXIT_INTERRUPTED:
-            kept = bool({"bem", "database", "optimise"} & set(sys.argv[1:2]))
+            kept = sys.argv[1:2] in (["bem"], ["optimise"]) or sys.argv[1:3] == ["database", "build"]
             print("interrupted; " + ("what is done is kept, the same command goes on from there" if kept else "nothing was written"), file=sys.stderr)
         sys.exit(code)
     except OSError as error:

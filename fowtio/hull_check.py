@@ -100,17 +100,10 @@ def _tlp(shape: dict, bem: dict) -> list[str]:
 
 
 def _semi(shape: dict, bem: dict) -> list[str]:
-    from model.design.hull import SemiHull
+    from model.design.hull import SemiHull, geometry_problems
 
     hull = SemiHull(**shape)
-    plate, centre, radius = float(hull.plate_diameter), float(hull.central_diameter), shape["radius"]
-    out = []
-    if plate >= np.sqrt(3) * radius:
-        out.append(f"heave plates of {plate:g} m overlap: their axes are {np.sqrt(3) * radius:g} m apart")
-    if plate / 2 + centre / 2 >= radius:
-        out.append(f"heave plates of {plate:g} m reach the central column: radius is {radius:g} m")
-    if float(hull.plate_height) >= shape["draft"]:
-        out.append(f"plate_height is {float(hull.plate_height):g} m; it must be less than the draft, {shape['draft']:g} m")
-    if plate <= shape["diameter"]:
+    out = [str(text) for mask, text in geometry_problems(hull) if mask]
+    if hull.plate_diameter <= hull.diameter:
         out.append("plate_ratio must exceed 1: the heave plates are wider than the columns")
     return out

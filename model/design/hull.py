@@ -163,32 +163,40 @@ def float_hull(
     return out
 
 
+def geometry_problems(hull: SemiHull):
+    """Yield (mask of designs, reason) of everything in the dimensions that cannot be built, whatever it weighs."""
+    r, plate = hull.radius, hull.plate_diameter
+    yield _told(hull, hull.draft <= hull.plate_height, "the draft {:.1f} m is not above the heave plates' height {:.1f} m; take a larger draft",
+                hull.draft, hull.plate_height)  # fmt: skip
+    yield _told(hull, plate >= np.sqrt(3) * r, "heave plates of {:.1f} m overlap each other at a radius of {:.1f} m; take a larger radius or smaller plates",
+                plate, r)  # fmt: skip
+    yield _told(hull, plate / 2 + hull.central_diameter / 2 >= r,
+                "heave plates of {:.1f} m reach the central column at a radius of {:.1f} m; take a larger radius", plate, r)  # fmt: skip
+    yield _told(hull, 2 * hull.column_wall >= hull.diameter, "walls of {:.3f} m fill the columns of {:.1f} m", hull.column_wall, hull.diameter)
+
+
+def _told(hull: SemiHull, mask, text: str, *values):
+    """Return a mask over designs and, where it is true, the text with the design's values."""
+    mask = np.broadcast_to(mask, hull.shape)
+    values, shown = [np.broadcast_to(v, hull.shape) for v in values], np.full(hull.shape, "", dtype=object)
+    for at in map(tuple, np.argwhere(mask)):
+        shown[at] = text.format(*(float(v[at]) for v in values))
+    return mask, shown
+
+
 def _problems(hull: SemiHull, ballast, room, metacentric):
     """Yield (mask of designs, reason) of everything that keeps a hull from floating upright."""
-    d, r, plate = hull.diameter, hull.radius, hull.plate_diameter
-
-    def say(mask, text, *values):
-        mask = np.broadcast_to(mask, hull.shape)
-        values, shown = [np.broadcast_to(v, hull.shape) for v in values], np.full(hull.shape, "", dtype=object)
-        for at in map(tuple, np.argwhere(mask)):
-            shown[at] = text.format(*(float(v[at]) for v in values))
-        return mask, shown
-
-    yield say(hull.draft <= hull.plate_height, "the draft {:.1f} m is not above the heave plates' height {:.1f} m; take a larger draft",
-              hull.draft, hull.plate_height)  # fmt: skip
-    yield say(plate >= np.sqrt(3) * r, "heave plates of {:.1f} m overlap each other at a radius of {:.1f} m; take a larger radius or smaller plates",
-              plate, r)  # fmt: skip
-    yield say(plate / 2 + hull.central_diameter / 2 >= r, "heave plates of {:.1f} m reach the central column at a radius of {:.1f} m; take a larger radius",
-              plate, r)  # fmt: skip
-    yield say(2 * hull.column_wall >= d, "walls of {:.3f} m fill the columns of {:.1f} m", hull.column_wall, d)
-    yield say(
+    yield from geometry_problems(hull)
+    yield _told(
+        hull,
         ballast < 0,
         "steel and carried loads weigh {:.3g} kg more than the displaced water; take a larger diameter or draft",
         -ballast,
     )
-    yield say(ballast > room, "ballast of {:.3g} kg does not fit below the columns' tops ({:.3g} kg); take a heavier ballast or a smaller hull",
-              ballast, room)  # fmt: skip
-    yield say(
+    yield _told(hull, ballast > room, "ballast of {:.3g} kg does not fit below the columns' tops ({:.3g} kg); take a heavier ballast or a smaller hull",
+                ballast, room)  # fmt: skip
+    yield _told(
+        hull,
         metacentric <= 0,
         "the metacentric height is {:.2f} m; take a larger radius or diameter, or denser ballast",
         metacentric,

@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import cho_factor, cho_solve
 
 from model.conventions import PLATFORM_DOFS, freeze
-from model.reduce.rational import orthogonal, partial_fractions, pole_at, realisation
+from model.reduce.rational import frequency_response, orthogonal, partial_fractions, pole_at, realisation
 from model.reduce.targets import PHASE, Targets
 from model.response.solve import Response
 from model.system.hydro import HydroCoefficients, excitation_at
@@ -53,9 +53,9 @@ class ExcitationFit:
 
     def __call__(self, omega) -> np.ndarray:
         """Return the force (n, 6) per metre of wave amplitude at omega (n) [rad/s], the shift taken out again."""
-        iw = 1j * np.asarray(omega, dtype=float)
-        state = np.linalg.solve(iw[:, None, None] * np.eye(len(self.a)) - self.a, self.b[:, None] + 0j)[..., 0]
-        return state @ self.c.T * np.exp(iw * self.shift)[:, None]
+        omega = np.asarray(omega, dtype=float)
+        late = frequency_response(self.a, self.b[:, None], self.c, omega)[..., 0]
+        return late * np.exp(1j * omega * self.shift)[:, None]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -8,6 +8,7 @@ is made small by reweighted least squares (Lawson 1961) under the linear conditi
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -184,7 +185,9 @@ class _Joint:
 
     def allowing(self, allowed) -> _Joint:
         """Return the problem with other errors of the pairs (p) allowed."""
-        return _Joint(self.first, self.blocks, self.known, self.paths, allowed)
+        out = copy(self)
+        out.allowed = allowed
+        return out
 
     def even_weights(self) -> tuple[np.ndarray, np.ndarray]:
         """Return weights of responses (n, 2 r) and pairs (k, p)."""

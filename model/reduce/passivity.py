@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import block_diag, eigvals
 from scipy.optimize import nnls
 
-from model.reduce.rational import RationalFit, realisation
+from model.reduce.rational import RationalFit, frequency_response, realisation
 
 PASSIVE = 1e-5  # largest negative eigenvalue of the scaled damping matrix that counts as rounding
 LEVEL = 3e-5  # of the scaled damping matrix, at which a plane holds its eigenvalue
@@ -86,7 +86,7 @@ def least_damping(a, b, c, scale, top: float) -> tuple[float, list[float]]:
     crossings = np.unique(crossings[(crossings > 0) & (crossings < 100 * top)])
     between = (crossings[1:] + crossings[:-1]) / 2
     grid = np.unique(np.concatenate([np.geomspace(top / 1e4, 100 * top, 4000), between]))
-    k = c @ np.linalg.solve(1j * grid[:, None, None] * np.eye(n) - a, b + 0j)
+    k = frequency_response(a, b, c, grid)
     lowest = np.linalg.eigvalsh((k.real + np.swapaxes(k.real, 1, 2)) / 2 / np.outer(scale, scale))[:, 0]
     turn = np.flatnonzero((lowest[1:-1] < lowest[:-2]) & (lowest[1:-1] <= lowest[2:])) + 1
     return float(lowest.min()), [float(w) for w in grid[turn[lowest[turn] < 0]]]

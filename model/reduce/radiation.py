@@ -19,7 +19,7 @@ from model.conventions import PLATFORM_DOFS, freeze
 from model.reduce.importance import Importance, pooled
 from model.reduce.joint import KnownRadiation, meet_responses
 from model.reduce.passivity import Ports, check_grid, nearest_passive, realise, symmetric
-from model.reduce.rational import RationalFit, admissible, columns, fit, rational, starting_poles
+from model.reduce.rational import RationalFit, admissible, columns, fit, frequency_response, rational, starting_poles
 from model.reduce.targets import Paths
 from model.response.cummins import retardation_transform
 from model.system.hydro import HydroCoefficients, infinite_added_mass
@@ -67,11 +67,8 @@ class RadiationFit:
 
     def __call__(self, omega) -> np.ndarray:
         """Return K (n, 6, 6) at omega (n) [rad/s], about the infinite-frequency added mass of the data."""
-        s = 1j * np.asarray(omega, dtype=float)
-        poles, vectors = np.linalg.eig(self.a)  # blocks of single poles or pairs: as good as diagonal
-        shares = (self.c @ vectors).T[:, :, None] * np.linalg.solve(vectors, self.b + 0j)[:, None, :]
-        memory = (1 / (s[:, None] - poles) @ shares.reshape(-1, 36)).reshape(-1, 6, 6)
-        return memory + s[:, None, None] * self.added_mass_change
+        omega = np.asarray(omega, dtype=float)
+        return frequency_response(self.a, self.b, self.c, omega) + 1j * omega[:, None, None] * self.added_mass_change
 
 
 def least_error(hydro: HydroCoefficients, dof: int) -> float:
@@ -188,8 +185,8 @@ class _Passive:
 def _fit_block(omega, data, urgent, floor, target: float, most: int) -> _Passive:
     """Return the passive fit of G = K / (i omega) of one block (n, m, m) with the fewest poles that reach the target.
 
-    Poles are added where the error is largest; a single pair is cheap enough to start afresh each time besides. Data that are not quite causal or passive themselves may not let any number reach
-    the target; then the fewest poles within two per cent of the best error are taken.
+    Poles are added where the error is largest; a single pair is cheap enough to start afresh each time besides. Data that are not
+    quite causal or passive themselves may not let any number reach the target; then the fewest poles within two per cent of the best error are taken.
     """
     rows, columns_ = np.triu_indices(data.shape[1])
     values, nodes = data[:, rows, columns_], floor == 1

@@ -64,6 +64,15 @@ def realisation(poles) -> tuple[np.ndarray, np.ndarray]:
     return a, drive
 
 
+def frequency_response(a, b, c, omega) -> np.ndarray:
+    """Return c (i omega - a)^-1 b (n, p, m) at omega (n) [rad/s] of a state space whose a is block diagonal, as `realisation` makes it:
+    with blocks of single poles or pairs its eigenvectors are as good as orthogonal, equal blocks or not.
+    """
+    poles, vectors = np.linalg.eig(a)
+    shares = (c @ vectors).T[:, :, None] * np.linalg.solve(vectors, b + 0j)[:, None, :]
+    return np.tensordot(1 / (1j * np.asarray(omega)[:, None] - poles), shares, axes=1)
+
+
 def starting_poles(order: int, low: float, high: float, real: int) -> np.ndarray:
     """Return poles to start from: `real` slow real ones and weakly damped pairs from low to high [rad/s]."""
     real += (order - real) % 2

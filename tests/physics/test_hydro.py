@@ -167,6 +167,7 @@ def test_beyond_the_data_the_stated_powers_of_frequency():
     np.testing.assert_allclose(further, far / 4, rtol=1e-9)
     step = 1e-4 * top
     before, at, after = excitation_at(h, [top - step, top, top + step], 0.0)
+    # second difference over first: step / (2 FADE), 1e-3 here, of the slope that fades; the rest from omega^-2
     assert np.abs(after - 2 * at + before).max() < 2e-3 * np.abs(after - before).max() + 4 * (step / top) ** 2 * np.abs(at).max()
 
 
